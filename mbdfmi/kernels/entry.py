@@ -1,0 +1,111 @@
+"""What an FMU, or an in-process run, calls. Each entry takes the buffers' addresses and returns a status.
+
+`ENTRIES` is the table that ahead-of-time compiling works from.
+"""
+
+from numba import types
+
+from . import forces, integrate, joints, outputs, prepare, tree
+from .language import inlined, kernel
+from .status import BAD_START_ORIENTATION, OK, status
+from .views import INTS, REALS, data_view, model_view
+
+
+@kernel
+def prepare_model(m, d):
+    """Derive what follows from parameters. To be called after any of them changed. Returns a status."""
+    return prepare.prepare(m, d)
+
+
+@kernel
+def initialise(m, d, t0):
+    """The state at the start time t0 (s) from the start values. Returns a status."""
+    d.time[0] = t0
+    d.time[1] = 0.0
+    d.next_step[0] = 0.0
+    d.steps[0] = 0.0
+    d.rejected[0] = 0.0
+    d.evaluations[0] = 0.0
+
+    for i in range(1, m.n_body):
+        if not joints.start(m, d, i):
+            return status(BAD_START_ORIENTATION, i)
+
+    return OK
+
+
+@inlined
+def advance_time(d, h):
+    """time += h with compensated summation (Kahan)."""
+    y = h - d.time[1]
+    t = d.time[0] + y
+    d.time[1] = (t - d.time[0]) - y
+    d.time[0] = t
+
+
+@kernel
+def step(m, d, H):
+    """Advance the state by H (s). On failure it is that of the last accepted inner step. Returns a status."""
+    if m.n_x == 0:
+        advance_time(d, H)
+        return OK
+
+    if m.integrator == integrate.RK4:
+        failure, reached = integrate.rk4(m, d, H)
+    else:
+        failure, reached = integrate.rk54(m, d, H)
+
+    advance_time(d, reached)
+    return failure
+
+
+@kernel
+def compute_outputs(m, d, y):
+    """All outputs y[n_y] of the state and the inputs (their values alone) now. Returns a status."""
+    failure = OK
+
+    if m.output_needs == 1:
+        integrate.set_inputs(m, d, 0.0)
+        tree.kinematics(m, d)
+        tree.inertias(m, d)
+        forces.apply(m, d)
+        failure = tree.aba(m, d)
+    else:
+        tree.kinematics(m, d)
+
+    outputs.write_outputs(m, d, y)
+    return failure
+
+
+@kernel
+def mbdfmi_prepare(ints, reals, state, work):
+    """`prepare_model` on addresses."""
+    return prepare_model(model_view((ints, reals)), data_view((ints, state, work, work)))
+
+
+@kernel
+def mbdfmi_initialise(ints, reals, state, work, t0):
+    """`initialise` on addresses."""
+    return initialise(model_view((ints, reals)), data_view((ints, state, work, work)), t0)
+
+
+@kernel
+def mbdfmi_step(ints, reals, state, work, u, H):
+    """`step` on addresses."""
+    return step(model_view((ints, reals)), data_view((ints, state, work, u)), H)
+
+
+@kernel
+def mbdfmi_outputs(ints, reals, state, work, u, y):
+    """`compute_outputs` on addresses."""
+    return compute_outputs(model_view((ints, reals)), data_view((ints, state, work, u)), y)
+
+
+_BUFFERS = (INTS, REALS, REALS, REALS)
+
+ENTRIES = {
+    "mbdfmi_prepare": (mbdfmi_prepare, types.int64(*_BUFFERS)),
+    "mbdfmi_initialise": (mbdfmi_initialise, types.int64(*_BUFFERS, types.float64)),
+    "mbdfmi_step": (mbdfmi_step, types.int64(*_BUFFERS, REALS, types.float64)),
+    "mbdfmi_outputs": (mbdfmi_outputs, types.int64(*_BUFFERS, REALS, REALS)),
+}

@@ -1,0 +1,290 @@
+"""Steppers: x' = f(x, u(s)) over a communication step, then project(x).
+
+After each accepted inner step Euler parameters are brought back to unit length. Time inside a communication
+step is counted from its start, so results do not depend on how a master sums its time.
+"""
+
+import math
+
+import numpy as np
+
+from . import algebra as al
+from . import forces, joints, tree
+from .language import inlined, kernel
+from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
+
+RK4 = 0
+RK54 = 1
+
+INTEGRATORS = {"rk4": RK4, "rk54": RK54}
+
+# Dormand and Prince, J. Comp. Appl. Math. 6 (1980) 19-26: nodes, stages by rows (the last is the result of
+# order 5, so the last stage is the first of the next step), and its difference from the result of order 4
+N_STAGE = 7
+NODES = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
+STAGES = np.array(
+    [
+        [0, 0, 0, 0, 0, 0],
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+ERROR = np.array(
+    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
+)
+
+# step-size control after Hairer, Norsett, Wanner, Solving ODEs I, section II.4: PI controller
+SAFETY = 0.9
+PI_BETA = 0.04
+SHRINK = 0.2
+GROW = 10.0
+
+
+@inlined
+def set_inputs(m, d, s):
+    """Inputs at time s (s) of the communication step: u + u' s + u'' s^2 / 2."""
+    n = m.n_u
+
+    for k in range(n):
+        d.input[k] = d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * d.u_buffer[2 * n + k])
+
+
+@kernel
+def evaluate(m, d, s):
+    """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
+    set_inputs(m, d, s)
+    tree.kinematics(m, d)
+    tree.inertias(m, d)
+    forces.apply(m, d)
+
+    for i in range(1, m.n_body):
+        joints.position_rates(m, d, i)
+
+    d.evaluations[0] += 1.0
+    return tree.aba(m, d)
+
+
+@inlined
+def project(m, d, rate):
+    """Euler parameters of d.x to unit length; their rates, from element `rate` of the stages on, likewise."""
+    for i in range(1, m.n_body):
+        k = joints.E_offset(m.body_joint[i])
+
+        if k >= 0:
+            k += m.body_q[i]
+            E = al.E_at(d.x, k)
+            s = 1.0 / math.sqrt(al.E_dot(E, E))
+            al.set_E_at(d.x, k, al.E_scale(s, E))
+            al.set_E_at(d.stage, rate + k, al.E_scale(s, al.E_at(d.stage, rate + k)))
+
+
+@inlined
+def is_finite(d, n):
+    """True when x[:n] holds no NaN and no infinity."""
+    total = 0.0
+
+    for k in range(n):
+        total += 0.0 * d.x[k]
+
+    return total == 0.0
+
+
+@inlined
+def store_rate(m, d, stage):
+    """Keep d.x_rate as that of a stage."""
+    n = m.n_x
+
+    for k in range(n):
+        d.stage[stage * n + k] = d.x_rate[k]
+
+
+@inlined
+def set_x_before(m, d):
+    """Remember x at the start of an inner step."""
+    for k in range(m.n_x):
+        d.x_before[k] = d.x[k]
+
+
+@inlined
+def restore_x(m, d):
+    """Back to the start of the inner step."""
+    for k in range(m.n_x):
+        d.x[k] = d.x_before[k]
+
+
+@kernel
+def rk4(m, d, H):
+    """Classical Runge-Kutta method of order 4: equal inner steps of at most m.step over H (s).
+
+    Returns (status, time reached within H).
+    """
+    n = m.n_x
+    n_step = max(1, int(math.ceil(H / m.step[0] * (1.0 - 1e-12))))
+    h = H / n_step
+
+    for step in range(n_step):
+        s = step * h
+        set_x_before(m, d)
+
+        for stage in range(4):
+            c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+
+            if stage > 0:
+                for k in range(n):
+                    d.x[k] = d.x_before[k] + c * h * d.stage[(stage - 1) * n + k]
+
+            failure = evaluate(m, d, s + c * h)
+
+            if failure != OK:
+                restore_x(m, d)
+                return failure, s
+
+            store_rate(m, d, stage)
+
+        for k in range(n):
+            slope = d.stage[k] + 2.0 * (d.stage[n + k] + d.stage[2 * n + k]) + d.stage[3 * n + k]
+            d.x[k] = d.x_before[k] + h / 6.0 * slope
+
+        if not is_finite(d, n):
+            restore_x(m, d)
+            return status(NOT_FINITE, 0), s
+
+        project(m, d, 0)
+        d.steps[0] += 1.0
+
+    return OK, H
+
+
+@inlined
+def weigh(m, d):
+    """Error weights: absolute + relative tolerance times |x|; an orientation's is its unit length.
+
+    Angles and Euler parameters are weighed as rotations: their error does not become less with many turns.
+    """
+    for k in range(m.n_x):
+        d.x_scale[k] = m.absolute_tolerance[0] + m.tolerance[0] * abs(d.x[k])
+
+    for i in range(1, m.n_body):
+        kind = m.body_joint[i]
+        q = m.body_q[i]
+        rotation = m.absolute_tolerance[0] + m.tolerance[0]
+
+        if kind == joints.REVOLUTE:
+            d.x_scale[q] = rotation
+        elif kind != joints.PRISMATIC:
+            q += joints.E_offset(kind)
+
+            for k in range(4):
+                d.x_scale[q + k] = rotation
+
+
+@inlined
+def first_step(m, d, H):
+    """A first inner step (s) from the rates of stage 0: Hairer, Norsett, Wanner I, section II.4, simplified."""
+    n = m.n_x
+    size = 0.0
+    speed = 0.0
+
+    for k in range(n):
+        x = d.x[k] / d.x_scale[k]
+        rate = d.stage[k] / d.x_scale[k]
+        size += x * x
+        speed += rate * rate
+
+    h = 1e-6 if size < 1e-10 * n or speed < 1e-10 * n else 0.01 * math.sqrt(size / speed)
+    return min(h, H)
+
+
+@kernel
+def rk54(m, d, H):
+    """Dormand-Prince method of order 5(4) with adaptive inner steps over H (s).
+
+    The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns (status, time reached within H).
+    """
+    n = m.n_x
+    s = 0.0
+    failure = evaluate(m, d, 0.0)
+
+    if failure != OK:
+        return failure, s
+
+    store_rate(m, d, 0)
+    weigh(m, d)
+    h = d.next_step[0]
+    error_before = 1e-4
+
+    if not h > 0.0:
+        h = first_step(m, d, H)
+
+    while s < H:
+        h = min(h, m.max_step[0])
+        left = H - s
+        cut = h >= left * (1.0 - 1e-9)
+        step = left if cut else h
+        set_x_before(m, d)
+
+        for stage in range(1, N_STAGE):
+            for k in range(n):
+                slope = 0.0
+
+                for j in range(stage):
+                    slope += STAGES[stage, j] * d.stage[j * n + k]
+
+                d.x[k] = d.x_before[k] + step * slope
+
+            failure = evaluate(m, d, s + NODES[stage] * step)
+
+            if failure != OK:
+                break
+
+            store_rate(m, d, stage)
+
+        error = 0.0
+
+        for k in range(n):
+            local = 0.0
+
+            for j in range(N_STAGE):
+                local += ERROR[j] * d.stage[j * n + k]
+
+            local = step * local / d.x_scale[k]
+            error += local * local
+
+        error = math.sqrt(error / max(n, 1))
+        finite = failure == OK and error < math.inf and is_finite(d, n)
+
+        if finite and error <= 1.0:
+            s = H if cut else s + step
+            project(m, d, (N_STAGE - 1) * n)
+
+            for k in range(n):
+                d.stage[k] = d.stage[(N_STAGE - 1) * n + k]
+
+            weigh(m, d)
+            d.steps[0] += 1.0
+            factor = SAFETY * max(error, 1e-10) ** -(0.2 - 0.75 * PI_BETA) * error_before**PI_BETA
+            proposed = step * min(GROW, max(SHRINK, factor))
+            error_before = max(error, 1e-4)
+
+            # a step that the end cut short says little about a longer one
+            h = max(h, proposed) if cut and step < h else proposed
+
+        else:
+            restore_x(m, d)
+            d.rejected[0] += 1.0
+            h = step * (max(SHRINK, SAFETY * error**-0.2) if finite else 0.1)
+
+            if h < 1e-13 * H:
+                if finite:
+                    failure = status(STEP_TOO_SMALL, 0)
+                elif failure == OK:
+                    failure = status(NOT_FINITE, 0)
+
+                return failure, s
+
+    d.next_step[0] = h
+    return OK, H

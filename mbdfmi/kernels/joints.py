@@ -1,0 +1,242 @@
+"""The one place that knows what a joint kind is.
+
+A joint kind is its transform from the joint frame F on the parent to the body, its motion subspace S,
+its bias (the relative acceleration at v' = 0) and how q' follows from v. F is at rest in the parent; the body's
+frame coincides with F at q = 0.
+
+==========  ===========================  ====================================
+kind        q                            v
+==========  ===========================  ====================================
+REVOLUTE    angle about z of F           angular speed
+PRISMATIC   displacement along z of F    speed
+SPHERICAL   E                            angular velocity in F
+FREE        position in F, then E        velocity, angular velocity, both in F
+==========  ===========================  ====================================
+"""
+
+import math
+
+from . import algebra as al
+from .language import inlined
+
+REVOLUTE = 0
+PRISMATIC = 1
+SPHERICAL = 2
+FREE = 3
+
+KINDS = {"revolute": REVOLUTE, "prismatic": PRISMATIC, "spherical": SPHERICAL, "free": FREE}
+N_Q = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 4, FREE: 7}
+N_V = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 3, FREE: 6}
+
+
+@inlined
+def rotated_about_z(A, angle):
+    """A Rz(angle)."""
+    c = math.cos(angle)
+    s = math.sin(angle)
+    return (
+        (c * A[0][0] + s * A[0][1], c * A[0][1] - s * A[0][0], A[0][2]),
+        (c * A[1][0] + s * A[1][1], c * A[1][1] - s * A[1][0], A[1][2]),
+        (c * A[2][0] + s * A[2][1], c * A[2][1] - s * A[2][0], A[2][2]),
+    )
+
+
+@inlined
+def move(m, d, i):
+    """Pose, velocity and bias of body i from those of its parent and its joint's q, v.
+
+    Writes A, r, w, rd, arm, axis or joint_axes, bias_w, bias_r; all in inertial axes.
+    """
+    parent = m.body_parent[i]
+    kind = m.body_joint[i]
+    q = m.body_q[i]
+    v = m.n_q + m.body_v[i]
+
+    A_parent = al.mat3(d.A, parent)
+    w_parent = al.vec3(d.w, parent)
+    F = al.mat_mat(A_parent, al.mat3(m.body_A, i))
+    arm = al.mat_vec(A_parent, al.vec3(m.body_r, i))
+
+    # relative motion: r_rel along the arm, w_rel, rd_rel
+    if kind == REVOLUTE:
+        axis = (F[0][2], F[1][2], F[2][2])
+        w_rel = al.scale(d.x[v], axis)
+        al.set_vec3(d.axis, i, axis)
+        al.set_mat3(d.A, i, rotated_about_z(F, d.x[q]))
+        al.set_vec3(d.w, i, al.add(w_parent, w_rel))
+        al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
+        spin = al.cross(w_parent, arm)
+        velocity = spin
+        bias_r = al.cross(w_parent, spin)
+
+    elif kind == PRISMATIC:
+        axis = (F[0][2], F[1][2], F[2][2])
+        rd_rel = al.scale(d.x[v], axis)
+        arm = al.axpy(d.x[q], axis, arm)
+        al.set_vec3(d.axis, i, axis)
+        al.set_mat3(d.A, i, F)
+        al.set_vec3(d.w, i, w_parent)
+        al.set_vec3(d.bias_w, i, al.ZERO3)
+        spin = al.cross(w_parent, arm)
+        velocity = al.add(spin, rd_rel)
+        bias_r = al.cross(w_parent, al.axpy(2.0, rd_rel, spin))
+
+    elif kind == SPHERICAL:
+        w_rel = al.mat_vec(F, al.vec_at(d.x, v))
+        al.set_mat3(d.joint_axes, i, F)
+        al.set_mat3(d.A, i, al.mat_mat(F, al.E_matrix(al.E_at(d.x, q))))
+        al.set_vec3(d.w, i, al.add(w_parent, w_rel))
+        al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
+        spin = al.cross(w_parent, arm)
+        velocity = spin
+        bias_r = al.cross(w_parent, spin)
+
+    else:
+        rd_rel = al.mat_vec(F, al.vec_at(d.x, v))
+        w_rel = al.mat_vec(F, al.vec_at(d.x, v + 3))
+        arm = al.add(arm, al.mat_vec(F, al.vec_at(d.x, q)))
+        al.set_mat3(d.joint_axes, i, F)
+        al.set_mat3(d.A, i, al.mat_mat(F, al.E_matrix(al.E_at(d.x, q + 3))))
+        al.set_vec3(d.w, i, al.add(w_parent, w_rel))
+        al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
+        spin = al.cross(w_parent, arm)
+        velocity = al.add(spin, rd_rel)
+        bias_r = al.cross(w_parent, al.axpy(2.0, rd_rel, spin))
+
+    al.set_vec3(d.arm, i, arm)
+    al.set_vec3(d.r, i, al.add(al.vec3(d.r, parent), arm))
+    al.set_vec3(d.rd, i, al.add(al.vec3(d.rd, parent), velocity))
+    al.set_vec3(d.bias_r, i, bias_r)
+
+
+@inlined
+def n_v(kind):
+    """Number of velocity coordinates of a joint kind."""
+    if kind == REVOLUTE or kind == PRISMATIC:
+        return 1
+
+    if kind == SPHERICAL:
+        return 3
+
+    return 6
+
+
+@inlined
+def subspace(m, d, i, k):
+    """Column k of the motion subspace S of body i's joint: (angular, linear), inertial axes."""
+    kind = m.body_joint[i]
+
+    if kind == REVOLUTE:
+        return (al.vec3(d.axis, i), al.ZERO3)
+
+    if kind == PRISMATIC:
+        return (al.ZERO3, al.vec3(d.axis, i))
+
+    F = al.mat3(d.joint_axes, i)
+    column = k % 3
+    direction = al.ZERO3
+
+    if column == 0:
+        direction = (F[0][0], F[1][0], F[2][0])
+    elif column == 1:
+        direction = (F[0][1], F[1][1], F[2][1])
+    else:
+        direction = (F[0][2], F[1][2], F[2][2])
+
+    if kind == FREE and k < 3:
+        return (al.ZERO3, direction)
+
+    return (direction, al.ZERO3)
+
+
+@inlined
+def position_rates(m, d, i):
+    """q' of body i's joint from its v, into d.x_rate."""
+    kind = m.body_joint[i]
+    q = m.body_q[i]
+    v = m.n_q + m.body_v[i]
+
+    if kind == REVOLUTE or kind == PRISMATIC:
+        d.x_rate[q] = d.x[v]
+
+    elif kind == SPHERICAL:
+        al.set_E_at(d.x_rate, q, al.E_rate(al.E_at(d.x, q), al.vec_at(d.x, v)))
+
+    else:
+        al.set_vec_at(d.x_rate, q, al.vec_at(d.x, v))
+        al.set_E_at(d.x_rate, q + 3, al.E_rate(al.E_at(d.x, q + 3), al.vec_at(d.x, v + 3)))
+
+
+@inlined
+def E_offset(kind):
+    """Where E stands among the position coordinates of a joint kind, -1: it has none."""
+    if kind == SPHERICAL:
+        return 0
+
+    if kind == FREE:
+        return 3
+
+    return -1
+
+
+@inlined
+def joint_E(m, d, i):
+    """Euler parameters of body i relative to its joint frame F; continuous in time."""
+    kind = m.body_joint[i]
+    q = m.body_q[i]
+
+    if kind == REVOLUTE:
+        return (0.0, 0.0, math.sin(0.5 * d.x[q]), math.cos(0.5 * d.x[q]))
+
+    if kind == PRISMATIC:
+        return (0.0, 0.0, 0.0, 1.0)
+
+    return al.E_at(d.x, q + E_offset(kind))
+
+
+@inlined
+def start(m, d, i):
+    """Start values of body i's joint into d.x, from q_start and v_start. False: E has no length.
+
+    These give the joint's second marker relative to its first. Where the first marker is on the body, not on
+    the parent, the tree needs the inverse motion: r -> -A^T r, r' -> A^T (w x r - r'), w -> -A^T w.
+    """
+    kind = m.body_joint[i]
+    q = m.body_q[i]
+    v = m.body_v[i]
+
+    if kind == REVOLUTE or kind == PRISMATIC:
+        d.x[q] = m.q_start[q]
+        d.x[m.n_q + v] = m.v_start[v]
+        return True
+
+    k = E_offset(kind)
+    E = al.E_at(m.q_start, q + k)
+    length = math.sqrt(al.E_dot(E, E))
+
+    if not length > 0.0:
+        return False
+
+    E = al.E_scale(1.0 / length, E)
+    A = al.E_matrix(E)
+    w = al.vec_at(m.v_start, v + k)
+    reverse = m.body_reversed[i] == 1
+
+    if kind == FREE:
+        r = al.vec_at(m.q_start, q)
+        rd = al.vec_at(m.v_start, v)
+
+        if reverse:
+            rd = al.matT_vec(A, al.sub(al.cross(w, r), rd))
+            r = al.neg(al.matT_vec(A, r))
+
+        al.set_vec_at(d.x, q, r)
+        al.set_vec_at(d.x, m.n_q + v, rd)
+
+    if reverse:
+        w = al.neg(al.matT_vec(A, w))
+        E = al.E_conjugate(E)
+
+    al.set_E_at(d.x, q + k, E)
+    al.set_vec_at(d.x, m.n_q + v + k, w)
+    return True

@@ -1,0 +1,172 @@
+"""The one table that names every array of a model: its buffer, its shape and what it holds.
+
+A model is flat buffers: `ints` (structure) and `reals` (parameters and constants), an instance adds
+`state`, `work` (scratch) and the inputs `u`. The head of `ints` holds the counts below, then the offset of
+every array in its buffer. To add a quantity is to add one row; kernels then read `m.name` or `d.name`.
+
+Frames: O is the inertial frame. "Body" below is a node of the spanning tree: the user's bodies that fixed
+joints hold together. Body 0 is the ground. The origin of a body's frame lies on the joint to its parent and
+its z axis is the joint's axis (revolute, prismatic). All spatial quantities of `d` are expressed in inertial
+axes and taken about the origin of their body.
+"""
+
+from typing import NamedTuple
+
+COUNTS = (
+    "n_body",  # nodes of the tree, the ground included
+    "n_q",  # position coordinates
+    "n_v",  # velocity coordinates
+    "n_x",  # integrated states: n_q + n_v
+    "n_solid",  # the user's bodies, each fixed in a node
+    "n_marker",
+    "n_joint_spring",
+    "n_strut",  # spring-dampers between two markers
+    "n_linear",  # 6x6 forces between two markers
+    "n_wrench_input",
+    "n_effort_input",
+    "n_output",  # blocks of outputs
+    "n_u",  # scalar inputs
+    "n_y",  # scalar outputs
+    "output_needs",  # 1: some output needs accelerations
+    "integrator",  # see integrate.py
+)
+
+
+class Row(NamedTuple):
+    """One array: `width` numbers for each of `count`."""
+
+    name: str
+    buffer: str
+    width: int
+    count: str | int
+    what: str
+
+
+ARRAYS = (
+    # structure
+    Row("body_parent", "ints", 1, "n_body", "parent node; parents come first"),
+    Row("body_joint", "ints", 1, "n_body", "kind of the joint to the parent (joints.py)"),
+    Row("body_q", "ints", 1, "n_body", "first position coordinate"),
+    Row("body_v", "ints", 1, "n_body", "first velocity coordinate"),
+    Row("body_added", "ints", 1, "n_body", "1: carries added mass"),
+    Row("body_reversed", "ints", 1, "n_body", "1: the joint's first marker is on this body, not the parent"),
+    Row("solid_body", "ints", 1, "n_solid", "node"),
+    Row("marker_body", "ints", 1, "n_marker", "node"),
+    Row("joint_spring_body", "ints", 1, "n_joint_spring", "node whose joint it acts in"),
+    Row("strut_from", "ints", 1, "n_strut", "first marker"),
+    Row("strut_to", "ints", 1, "n_strut", "second marker"),
+    Row("linear_from", "ints", 1, "n_linear", "first marker, whose axes the force is given in"),
+    Row("linear_to", "ints", 1, "n_linear", "second marker, which the force acts on"),
+    Row("linear_adds", "ints", 1, "n_linear", "1: has added mass"),
+    Row("wrench_marker", "ints", 1, "n_wrench_input", "marker it acts on"),
+    Row("wrench_reaction", "ints", 1, "n_wrench_input", "marker whose body takes the reaction, -1: none"),
+    Row("wrench_axes", "ints", 1, "n_wrench_input", "marker in whose axes it is given, -1: inertial"),
+    Row("wrench_force", "ints", 1, "n_wrench_input", "first of the force's 3 inputs, -1: none"),
+    Row("wrench_moment", "ints", 1, "n_wrench_input", "first of the moment's 3 inputs, -1: none"),
+    Row("effort_v", "ints", 1, "n_effort_input", "velocity coordinate it drives"),
+    Row("effort_u", "ints", 1, "n_effort_input", "input"),
+    Row("output_kind", "ints", 1, "n_output", "see outputs.py"),
+    Row("output_a", "ints", 1, "n_output", "what it is about: node, marker or force"),
+    Row("output_b", "ints", 1, "n_output", "second marker, where there is one"),
+    Row("output_y", "ints", 1, "n_output", "first scalar output"),
+    # parameters
+    Row("gravity", "reals", 3, 1, "m/s2, in O"),
+    Row("step", "reals", 1, 1, "s, fixed step"),
+    Row("tolerance", "reals", 1, 1, "relative, adaptive step"),
+    Row("absolute_tolerance", "reals", 1, 1, "m, rad, m/s, rad/s"),
+    Row("max_step", "reals", 1, 1, "s"),
+    Row("solid_mass", "reals", 1, "n_solid", "kg"),
+    Row("solid_com", "reals", 3, "n_solid", "m, centre of mass in the user's body frame"),
+    Row("solid_inertia", "reals", 6, "n_solid", "kg m2 about the centre of mass, user's body axes (symmetric)"),
+    Row("q_start", "reals", 1, "n_q", "position coordinates as the user gave them"),
+    Row("v_start", "reals", 1, "n_v", "velocity coordinates as the user gave them"),
+    Row("joint_stiffness", "reals", 1, "n_joint_spring", "N m/rad or N/m"),
+    Row("joint_rest", "reals", 1, "n_joint_spring", "rad or m"),
+    Row("joint_damping", "reals", 1, "n_joint_spring", "N m s/rad or N s/m"),
+    Row("strut_stiffness", "reals", 1, "n_strut", "N/m"),
+    Row("strut_damping", "reals", 1, "n_strut", "N s/m"),
+    Row("strut_rest", "reals", 1, "n_strut", "m, length without force"),
+    Row("linear_stiffness", "reals", 36, "n_linear", "6x6 by rows (x, y, z, rx, ry, rz)"),
+    Row("linear_damping", "reals", 36, "n_linear", "6x6 by rows"),
+    Row("linear_added", "reals", 36, "n_linear", "6x6 by rows, in the second marker's axes"),
+    Row("linear_preload", "reals", 6, "n_linear", "N, N m"),
+    # constants
+    Row("body_r", "reals", 3, "n_body", "m, joint frame in the parent's frame"),
+    Row("body_A", "reals", 9, "n_body", "joint axes to the parent's axes"),
+    Row("solid_r", "reals", 3, "n_solid", "m, user's body frame in the node"),
+    Row("solid_A", "reals", 9, "n_solid", "user's body axes to the node's"),
+    Row("marker_r", "reals", 3, "n_marker", "m, in the node"),
+    Row("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
+    # state
+    Row("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
+    Row("next_step", "state", 1, 1, "s, the adaptive step to try next, 0: none yet"),
+    Row("steps", "state", 1, 1, "accepted inner steps since the start"),
+    Row("rejected", "state", 1, 1, "rejected inner steps since the start"),
+    Row("evaluations", "state", 1, 1, "evaluations of the accelerations since the start"),
+    Row("x", "state", 1, "n_x", "position, then velocity coordinates"),
+    Row("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
+    Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
+    Row("body_I", "state", 6, "n_body", "kg m2 about the node's origin, in the node"),
+    Row("body_added_I", "state", 6, "n_body", "added inertia, moment from angular acceleration, in the node"),
+    Row("body_added_H", "state", 9, "n_body", "added inertia, moment from acceleration"),
+    Row("body_added_M", "state", 6, "n_body", "added mass, force from acceleration"),
+    # work: inputs and rates
+    Row("input", "work", 1, "n_u", "inputs now"),
+    Row("tau", "work", 1, "n_v", "efforts in the joints"),
+    Row("x_rate", "work", 1, "n_x", "x'; its last n_v entries are the accelerations v'"),
+    # work: kinematics of the nodes
+    Row("r", "work", 3, "n_body", "m, origin from O"),
+    Row("A", "work", 9, "n_body", "body axes to O"),
+    Row("w", "work", 3, "n_body", "rad/s, angular velocity"),
+    Row("rd", "work", 3, "n_body", "m/s, velocity of the origin"),
+    Row("arm", "work", 3, "n_body", "m, from the parent's origin"),
+    Row("axis", "work", 3, "n_body", "the joint's axis"),
+    Row("joint_axes", "work", 9, "n_body", "joint axes on the parent to O (spherical, free)"),
+    Row("bias_w", "work", 3, "n_body", "rad/s2, angular acceleration relative to the parent's at v' = 0"),
+    Row("bias_r", "work", 3, "n_body", "m/s2, likewise of the origin, beyond a_parent + alpha_parent x arm"),
+    # work: inertia and forces of the nodes
+    Row("h", "work", 3, "n_body", "kg m, mass times centre of mass from the origin"),
+    Row("I", "work", 6, "n_body", "inertia of the node: rotational block"),
+    Row("H", "work", 9, "n_body", "coupling block: moment from acceleration of the origin"),
+    Row("M", "work", 6, "n_body", "translational block"),
+    Row("moment", "work", 3, "n_body", "N m, applied, about the origin"),
+    Row("force", "work", 3, "n_body", "N, applied"),
+    Row("alpha", "work", 3, "n_body", "rad/s2, angular acceleration"),
+    Row("rdd", "work", 3, "n_body", "m/s2, acceleration of the origin"),
+    # work: articulated bodies (ABA) and composite bodies (CRBA)
+    Row("I_a", "work", 6, "n_body", "articulated or composite inertia: rotational block"),
+    Row("H_a", "work", 9, "n_body", "coupling block"),
+    Row("M_a", "work", 6, "n_body", "translational block"),
+    Row("bias_moment", "work", 3, "n_body", "articulated bias wrench"),
+    Row("bias_force", "work", 3, "n_body", "articulated bias wrench"),
+    Row("U_w", "work", 3, "n_body", "I_a S, moment (one-dof joints)"),
+    Row("U_r", "work", 3, "n_body", "I_a S, force (one-dof joints)"),
+    Row("D", "work", 6, "n_body", "factor of S^T I_a S"),
+    Row("effort", "work", 3, "n_body", "S-projected effort left for acceleration"),
+    # work: steppers
+    Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
+    Row("x_scale", "work", 1, "n_x", "error weights"),
+    Row("stage", "work", 7, "n_x", "rates of the stages"),
+)
+
+BUFFERS = ("ints", "reals", "state", "work")
+SLOT = {row.name: len(COUNTS) + k for k, row in enumerate(ARRAYS)}
+ROW = {row.name: row for row in ARRAYS}
+HEADER_LENGTH = len(COUNTS) + len(ARRAYS)
+
+
+def row_length(row: Row, counts: dict[str, int]) -> int:
+    """How many numbers an array holds in a model of these counts."""
+    return row.width * (row.count if isinstance(row.count, int) else counts[row.count])
+
+
+def arrange(counts: dict[str, int]) -> tuple[list[int], dict[str, int]]:
+    """The header of `ints` for a model of these counts, and the length of each buffer."""
+    length = {"ints": HEADER_LENGTH, "reals": 0, "state": 0, "work": 0}
+    offsets = []
+
+    for row in ARRAYS:
+        offsets.append(length[row.buffer])
+        length[row.buffer] += row_length(row, counts)
+
+    return [counts[name] for name in COUNTS] + offsets, length

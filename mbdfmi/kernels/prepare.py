@@ -1,0 +1,91 @@
+"""What follows from parameters alone: the inertia of each node, checked."""
+
+from . import algebra as al
+from .language import inlined, kernel
+from .status import BAD_INERTIA, BAD_MASS, BAD_SOLVER_SETTING, OK, status
+
+
+@inlined
+def is_semidefinite(S):
+    """True when no principal minor of S is negative beyond rounding (False for NaN)."""
+    size = S[0] + S[1] + S[2]
+    eps = 1e-9 * size
+    xy = S[0] * S[1] - S[3] * S[3]
+    xz = S[0] * S[2] - S[4] * S[4]
+    yz = S[1] * S[2] - S[5] * S[5]
+    det = S[0] * yz - S[3] * (S[3] * S[2] - S[5] * S[4]) + S[4] * (S[3] * S[5] - S[1] * S[4])
+    ok = S[0] >= -eps and S[1] >= -eps and S[2] >= -eps
+    ok = ok and xy >= -eps * size and xz >= -eps * size and yz >= -eps * size
+    return ok and det >= -eps * size * size
+
+
+@inlined
+def block(p, k, row, column):
+    """3x3 block (row, column) of the 6x6 matrix k of p."""
+    j = 36 * k + 18 * row + 3 * column
+    return (al.vec_at(p, j), al.vec_at(p, j + 6), al.vec_at(p, j + 12))
+
+
+@inlined
+def add_added_mass(m, d, k):
+    """Added mass of linear force k, given at its second marker, to the node: blocks shifted to the node's origin.
+
+    With the point at p and V_p = (w, rd - p~ w): M' = M, H' = H + p~ M, I' = I + p~ H^T - H' p~.
+    """
+    b = m.linear_to[k]
+    i = m.marker_body[b]
+    A = al.mat3(m.marker_A, b)
+    A_T = al.transpose(A)
+    p = al.skew(al.vec3(m.marker_r, b))
+    M = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 0, 0)), A_T)
+    H = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 1, 0)), A_T)
+    I = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 1, 1)), A_T)
+    shifted = al.mat_add(H, al.mat_mat(p, M))
+    I = al.mat_add(I, al.mat_sub(al.mat_mat(p, al.transpose(H)), al.mat_mat(shifted, p)))
+    al.set_sym3(d.body_added_I, i, al.sym_add(al.sym3(d.body_added_I, i), al.sym_of_mat(I)))
+    al.set_mat3(d.body_added_H, i, al.mat_add(al.mat3(d.body_added_H, i), shifted))
+    al.set_sym3(d.body_added_M, i, al.sym_add(al.sym3(d.body_added_M, i), al.sym_of_mat(M)))
+
+
+@kernel
+def prepare(m, d):
+    """Node inertias from the solids' and the added masses, into the state. Returns a status."""
+    zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    if not (m.tolerance[0] > 0.0 and m.absolute_tolerance[0] > 0.0):
+        return status(BAD_SOLVER_SETTING, 0)
+
+    if not (m.step[0] > 0.0 and m.max_step[0] > 0.0):
+        return status(BAD_SOLVER_SETTING, 0)
+
+    for i in range(m.n_body):
+        d.body_m[i] = 0.0
+        al.set_vec3(d.body_h, i, al.ZERO3)
+        al.set_sym3(d.body_I, i, zero)
+        al.set_sym3(d.body_added_I, i, zero)
+        al.set_mat3(d.body_added_H, i, (al.ZERO3, al.ZERO3, al.ZERO3))
+        al.set_sym3(d.body_added_M, i, zero)
+
+    for k in range(m.n_solid):
+        i = m.solid_body[k]
+        mass = m.solid_mass[k]
+        I = al.sym3(m.solid_inertia, k)
+
+        if not mass >= 0.0:
+            return status(BAD_MASS, i)
+
+        if not is_semidefinite(I):
+            return status(BAD_INERTIA, i)
+
+        A = al.mat3(m.solid_A, k)
+        com = al.add(al.vec3(m.solid_r, k), al.mat_vec(A, al.vec3(m.solid_com, k)))
+        d.body_m[i] += mass
+        al.add_vec3(d.body_h, i, al.scale(mass, com))
+        about_origin = al.sym_add(al.sym_rotate(A, I), al.sym_point(mass, com))
+        al.set_sym3(d.body_I, i, al.sym_add(al.sym3(d.body_I, i), about_origin))
+
+    for k in range(m.n_linear):
+        if m.linear_adds[k] == 1:
+            add_added_mass(m, d, k)
+
+    return OK

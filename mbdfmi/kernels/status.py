@@ -1,0 +1,33 @@
+"""Status of a kernel: 0, or a code and the place (a body or joint) where it happened.
+
+A status is code + 256 * place; `place` indexes `Model.places`.
+"""
+
+from .language import inlined
+
+OK = 0
+NOT_FINITE = 1
+STEP_TOO_SMALL = 2
+SINGULAR_INERTIA = 3
+BAD_MASS = 4
+BAD_START_ORIENTATION = 5
+BAD_SOLVER_SETTING = 6
+BAD_INERTIA = 7
+
+MESSAGES = {
+    NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
+    STEP_TOO_SMALL: "the inner step became too small to go on; the motion is singular or too stiff for this "
+    "integrator",
+    SINGULAR_INERTIA: "the inertia about the joint of %s is zero or negative: some mass or inertia it carries "
+    "must be positive",
+    BAD_MASS: "the mass of %s is negative",
+    BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
+    BAD_SOLVER_SETTING: "the solver's step or tolerance is not positive",
+    BAD_INERTIA: "the inertia of %s has a negative principal moment",
+}
+
+
+@inlined
+def status(code, place):
+    """Status of a failure `code` at `place`."""
+    return code + 256 * place

@@ -1,0 +1,421 @@
+"""Kinematics and dynamics of the spanning tree: RNEA, CRBA, ABA.
+
+After Featherstone, Rigid Body Dynamics Algorithms (2008), chapters 5 to 7, with every spatial quantity in
+inertial axes about the origin of its own body, and with classical instead of spatial accelerations (so that
+`alpha` and `rdd` are what an accelerometer at the origin shows). Transforms between bodies are then
+pure shifts by `arm`.
+
+Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T alpha + M rdd; suffix _a:
+articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.
+Indices: i body, parent its parent.
+"""
+
+from . import algebra as al
+from . import joints
+from .language import inlined, kernel
+from .status import OK, SINGULAR_INERTIA, status
+
+
+@kernel
+def kinematics(m, d):
+    """Poses, velocities and biases of all bodies from d.x."""
+    al.set_vec3(d.r, 0, al.ZERO3)
+    al.set_vec3(d.rd, 0, al.ZERO3)
+    al.set_vec3(d.w, 0, al.ZERO3)
+    al.set_mat3(d.A, 0, al.IDENTITY3)
+
+    for i in range(1, m.n_body):
+        joints.move(m, d, i)
+
+
+@inlined
+def momentum(m, d, i):
+    """(angular about the body's origin, linear) momentum of body i, added mass included."""
+    w = al.vec3(d.w, i)
+    rd = al.vec3(d.rd, i)
+    I = al.sym3(d.I, i)
+
+    if m.body_added[i] == 1:
+        H = al.mat3(d.H, i)
+        return (
+            al.add(al.sym_vec(I, w), al.mat_vec(H, rd)),
+            al.add(al.matT_vec(H, w), al.sym_vec(al.sym3(d.M, i), rd)),
+        )
+
+    h = al.vec3(d.h, i)
+    return (
+        al.add(al.sym_vec(I, w), al.cross(h, rd)),
+        al.add(al.cross(w, h), al.scale(d.body_m[i], rd)),
+    )
+
+
+@kernel
+def inertias(m, d):
+    """Inertias in inertial axes, velocity-dependent bias wrenches; starts the applied wrench with weight.
+
+    A body with added mass follows Kirchhoff's equations: with momenta L, p of the 6x6 inertia that turns with
+    the body, moment = dL/dt + rd x p, force = dp/dt (Lamb, Hydrodynamics, section 124). Weight takes no part of it.
+    """
+    g = al.vec3(m.gravity, 0)
+    al.set_vec3(d.moment, 0, al.ZERO3)
+    al.set_vec3(d.force, 0, al.ZERO3)
+
+    for i in range(1, m.n_body):
+        A = al.mat3(d.A, i)
+        w = al.vec3(d.w, i)
+        mass = d.body_m[i]
+        h = al.mat_vec(A, al.vec3(d.body_h, i))
+        al.set_vec3(d.h, i, h)
+        al.set_vec3(d.moment, i, al.cross(h, g))
+        al.set_vec3(d.force, i, al.scale(mass, g))
+
+        if m.body_added[i] == 0:
+            I = al.sym_rotate(A, al.sym3(d.body_I, i))
+            al.set_sym3(d.I, i, I)
+            al.set_vec3(d.bias_moment, i, al.cross(w, al.sym_vec(I, w)))
+            al.set_vec3(d.bias_force, i, al.cross(w, al.cross(w, h)))
+            continue
+
+        rd = al.vec3(d.rd, i)
+        A_T = al.transpose(A)
+        I = al.sym_rotate(A, al.sym_add(al.sym3(d.body_I, i), al.sym3(d.body_added_I, i)))
+        H = al.mat_add(al.skew(h), al.mat_mat(al.mat_mat(A, al.mat3(d.body_added_H, i)), A_T))
+        M = al.sym_rotate(A, al.sym3(d.body_added_M, i))
+        M = (M[0] + mass, M[1] + mass, M[2] + mass, M[3], M[4], M[5])
+        al.set_sym3(d.I, i, I)
+        al.set_mat3(d.H, i, H)
+        al.set_sym3(d.M, i, M)
+
+        # rates at zero alpha and rdd; the momenta's body-fixed part sees rdd - w x rd
+        L, p = momentum(m, d, i)
+        swept = al.cross(w, rd)
+        moment = al.add(al.cross(w, L), al.cross(rd, p))
+        al.set_vec3(d.bias_moment, i, al.sub(moment, al.mat_vec(H, swept)))
+        al.set_vec3(d.bias_force, i, al.sub(al.cross(w, p), al.sym_vec(M, swept)))
+
+
+@inlined
+def inertia_blocks(m, d, i):
+    """(I, H, M) of body i, in inertial axes about its origin."""
+    if m.body_added[i] == 1:
+        return (al.sym3(d.I, i), al.mat3(d.H, i), al.sym3(d.M, i))
+
+    mass = d.body_m[i]
+    return (al.sym3(d.I, i), al.skew(al.vec3(d.h, i)), (mass, mass, mass, 0.0, 0.0, 0.0))
+
+
+@inlined
+def add_shifted_inertia(d, parent, r, I, H, M):
+    """Add the inertia (I, H, M) of a child at arm r to the parent's I_a, H_a, M_a.
+
+    [I H; H^T M] seen from the parent: K = H + r~ M, I' = I + r~ H^T - K r~ (entry ij: I_ij + (r x H_j)_i + (r x K_i)_j).
+    """
+    M_rows = al.mat_of_sym(M)
+    rM = (
+        al.sub(al.scale(r[1], M_rows[2]), al.scale(r[2], M_rows[1])),
+        al.sub(al.scale(r[2], M_rows[0]), al.scale(r[0], M_rows[2])),
+        al.sub(al.scale(r[0], M_rows[1]), al.scale(r[1], M_rows[0])),
+    )
+    K = al.mat_add(H, rM)
+    rH_0 = al.cross(r, H[0])
+    rH_1 = al.cross(r, H[1])
+    rH_2 = al.cross(r, H[2])
+    rK_0 = al.cross(r, K[0])
+    rK_1 = al.cross(r, K[1])
+    rK_2 = al.cross(r, K[2])
+    shifted = (
+        I[0] + rH_0[0] + rK_0[0],
+        I[1] + rH_1[1] + rK_1[1],
+        I[2] + rH_2[2] + rK_2[2],
+        I[3] + rH_1[0] + rK_0[1],
+        I[4] + rH_2[0] + rK_0[2],
+        I[5] + rH_2[1] + rK_1[2],
+    )
+    al.set_sym3(d.I_a, parent, al.sym_add(al.sym3(d.I_a, parent), shifted))
+    al.set_mat3(d.H_a, parent, al.mat_add(al.mat3(d.H_a, parent), K))
+    al.set_sym3(d.M_a, parent, al.sym_add(al.sym3(d.M_a, parent), M))
+
+
+@inlined
+def add_shifted_wrench(d, parent, r, moment, force):
+    """Add a child's bias wrench at arm r to the parent's."""
+    al.add_vec3(d.bias_moment, parent, al.add(moment, al.cross(r, force)))
+    al.add_vec3(d.bias_force, parent, force)
+
+
+@inlined
+def start_articulated(m, d):
+    """I_a, H_a, M_a of every body alone."""
+    for i in range(1, m.n_body):
+        I, H, M = inertia_blocks(m, d, i)
+        al.set_sym3(d.I_a, i, I)
+        al.set_mat3(d.H_a, i, H)
+        al.set_sym3(d.M_a, i, M)
+
+
+@inlined
+def free_solve(I, H, M, moment, force):
+    """(alpha, rdd) of [I H; H^T M] (alpha, rdd) = (moment, force), and whether M, then I - H M^-1 H^T are positive."""
+    F_M = al.sym_factor(M)
+    N0 = al.sym_solve(F_M, H[0])
+    N1 = al.sym_solve(F_M, H[1])
+    N2 = al.sym_solve(F_M, H[2])
+    reduced = (
+        I[0] - al.dot(H[0], N0),
+        I[1] - al.dot(H[1], N1),
+        I[2] - al.dot(H[2], N2),
+        I[3] - al.dot(H[0], N1),
+        I[4] - al.dot(H[0], N2),
+        I[5] - al.dot(H[1], N2),
+    )
+    F_I = al.sym_factor(reduced)
+    freely = al.sym_solve(F_M, force)
+    alpha = al.sym_solve(F_I, al.sub(moment, al.mat_vec(H, freely)))
+    rdd = al.sub(freely, al.matT_vec((N0, N1, N2), alpha))
+    return alpha, rdd, al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
+
+
+@kernel
+def aba(m, d):
+    """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
+
+    Needs kinematics, inertias, the applied wrenches (moment, force) and joint efforts tau (Featherstone
+    2008, table 7.1). For a spherical joint S^T I_a S is the whole rotational block, so only a mass at the
+    joint is passed on; a free joint passes on its effort alone.
+    """
+    start_articulated(m, d)
+
+    # articulated inertias and bias wrenches, leaves to root
+    for i in range(m.n_body - 1, 0, -1):
+        parent = m.body_parent[i]
+        kind = m.body_joint[i]
+        v = m.body_v[i]
+        I = al.sym3(d.I_a, i)
+        H = al.mat3(d.H_a, i)
+        M = al.sym3(d.M_a, i)
+        moment = al.sub(al.vec3(d.bias_moment, i), al.vec3(d.moment, i))
+        force = al.sub(al.vec3(d.bias_force, i), al.vec3(d.force, i))
+        arm = al.vec3(d.arm, i)
+        bias_w = al.vec3(d.bias_w, i)
+        bias_r = al.vec3(d.bias_r, i)
+
+        if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+            axis = al.vec3(d.axis, i)
+
+            if kind == joints.REVOLUTE:
+                U_w = al.sym_vec(I, axis)
+                U_r = al.matT_vec(H, axis)
+                D = al.dot(axis, U_w)
+                effort = d.tau[v] - al.dot(axis, moment)
+            else:
+                U_w = al.mat_vec(H, axis)
+                U_r = al.sym_vec(M, axis)
+                D = al.dot(axis, U_r)
+                effort = d.tau[v] - al.dot(axis, force)
+
+            if not D > 0.0:
+                return status(SINGULAR_INERTIA, i)
+
+            al.set_vec3(d.U_w, i, U_w)
+            al.set_vec3(d.U_r, i, U_r)
+            d.D[6 * i] = D
+            d.effort[3 * i] = effort
+
+            if parent > 0:
+                W_w = al.scale(1.0 / D, U_w)
+                W_r = al.scale(1.0 / D, U_r)
+                I = al.sym_sub(I, al.sym_of_mat(al.outer(W_w, U_w)))
+                H = al.mat_sub(H, al.outer(W_w, U_r))
+                M = al.sym_sub(M, al.sym_of_mat(al.outer(W_r, U_r)))
+                moment = al.axpy(effort, W_w, moment)
+                moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
+                force = al.axpy(effort, W_r, force)
+                force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
+                add_shifted_inertia(d, parent, arm, I, H, M)
+                add_shifted_wrench(d, parent, arm, moment, force)
+
+        elif kind == joints.SPHERICAL:
+            torque = al.mat_vec(al.mat3(d.joint_axes, i), al.vec_at(d.tau, v))
+            effort3 = al.sub(torque, moment)
+            F = al.sym_factor(I)
+
+            if not al.sym_is_positive(F):
+                return status(SINGULAR_INERTIA, i)
+
+            al.set_sym3(d.D, i, F)
+            al.set_vec3(d.effort, i, effort3)
+
+            if parent > 0:
+                H_T = al.transpose(H)
+                N = al.transpose((al.sym_solve(F, H_T[0]), al.sym_solve(F, H_T[1]), al.sym_solve(F, H_T[2])))
+                M = al.sym_sub(M, al.sym_of_mat(al.mat_mat(H_T, N)))
+                force = al.add(force, al.sym_vec(M, bias_r))
+                force = al.add(force, al.matT_vec(N, effort3))
+                zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+                add_shifted_inertia(d, parent, arm, zero, (al.ZERO3, al.ZERO3, al.ZERO3), M)
+                add_shifted_wrench(d, parent, arm, torque, force)
+
+        else:
+            F_axes = al.mat3(d.joint_axes, i)
+            push = al.mat_vec(F_axes, al.vec_at(d.tau, v))
+            torque = al.mat_vec(F_axes, al.vec_at(d.tau, v + 3))
+            al.set_vec3(d.U_w, i, al.sub(torque, moment))
+            al.set_vec3(d.U_r, i, al.sub(push, force))
+
+            if parent > 0:
+                add_shifted_wrench(d, parent, arm, torque, push)
+
+    # accelerations, root to leaves
+    al.set_vec3(d.alpha, 0, al.ZERO3)
+    al.set_vec3(d.rdd, 0, al.ZERO3)
+
+    for i in range(1, m.n_body):
+        parent = m.body_parent[i]
+        kind = m.body_joint[i]
+        v = m.n_q + m.body_v[i]
+        alpha_parent = al.vec3(d.alpha, parent)
+        alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
+        rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
+        rdd = al.add(rdd, al.vec3(d.bias_r, i))
+
+        if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+            carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
+            rate = (d.effort[3 * i] - carried) / d.D[6 * i]
+            d.x_rate[v] = rate
+
+            if kind == joints.REVOLUTE:
+                alpha = al.axpy(rate, al.vec3(d.axis, i), alpha)
+            else:
+                rdd = al.axpy(rate, al.vec3(d.axis, i), rdd)
+
+        elif kind == joints.SPHERICAL:
+            left = al.sub(al.vec3(d.effort, i), al.mat_vec(al.mat3(d.H_a, i), rdd))
+            turned = al.sym_solve(al.sym3(d.D, i), left)
+            al.set_vec_at(d.x_rate, v, al.matT_vec(al.mat3(d.joint_axes, i), al.sub(turned, alpha)))
+            alpha = turned
+
+        else:
+            turned, moved, positive = free_solve(
+                al.sym3(d.I_a, i), al.mat3(d.H_a, i), al.sym3(d.M_a, i), al.vec3(d.U_w, i), al.vec3(d.U_r, i)
+            )
+
+            if not positive:
+                return status(SINGULAR_INERTIA, i)
+
+            F_axes = al.mat3(d.joint_axes, i)
+            al.set_vec_at(d.x_rate, v, al.matT_vec(F_axes, al.sub(moved, rdd)))
+            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(F_axes, al.sub(turned, alpha)))
+            alpha = turned
+            rdd = moved
+
+        al.set_vec3(d.alpha, i, alpha)
+        al.set_vec3(d.rdd, i, rdd)
+
+    return OK
+
+
+@kernel
+def rnea(m, d, tau):
+    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
+
+    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
+    """
+    al.set_vec3(d.alpha, 0, al.ZERO3)
+    al.set_vec3(d.rdd, 0, al.ZERO3)
+
+    for i in range(1, m.n_body):
+        parent = m.body_parent[i]
+        v = m.body_v[i]
+        alpha_parent = al.vec3(d.alpha, parent)
+        alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
+        rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
+        rdd = al.add(rdd, al.vec3(d.bias_r, i))
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            S_w, S_r = joints.subspace(m, d, i, k)
+            rate = d.x_rate[m.n_q + v + k]
+            alpha = al.axpy(rate, S_w, alpha)
+            rdd = al.axpy(rate, S_r, rdd)
+
+        al.set_vec3(d.alpha, i, alpha)
+        al.set_vec3(d.rdd, i, rdd)
+
+        # what the body needs beyond what is applied to it
+        I, H, M = inertia_blocks(m, d, i)
+        moment = al.add(al.sym_vec(I, alpha), al.mat_vec(H, rdd))
+        force = al.add(al.matT_vec(H, alpha), al.sym_vec(M, rdd))
+        al.add_vec3(d.bias_moment, i, al.sub(moment, al.vec3(d.moment, i)))
+        al.add_vec3(d.bias_force, i, al.sub(force, al.vec3(d.force, i)))
+
+    for i in range(m.n_body - 1, 0, -1):
+        moment = al.vec3(d.bias_moment, i)
+        force = al.vec3(d.bias_force, i)
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            S_w, S_r = joints.subspace(m, d, i, k)
+            tau[m.body_v[i] + k] = al.dot(S_w, moment) + al.dot(S_r, force)
+
+        if m.body_parent[i] > 0:
+            add_shifted_wrench(d, m.body_parent[i], al.vec3(d.arm, i), moment, force)
+
+
+@kernel
+def crba(m, d, mass_matrix):
+    """Joint-space mass matrix [n_v, n_v] by composite bodies; needs kinematics and inertias.
+
+    Featherstone 2008, table 6.2.
+    """
+    start_articulated(m, d)
+
+    for j in range(m.n_v):
+        for k in range(m.n_v):
+            mass_matrix[j, k] = 0.0
+
+    for i in range(m.n_body - 1, 0, -1):
+        I = al.sym3(d.I_a, i)
+        H = al.mat3(d.H_a, i)
+        M = al.sym3(d.M_a, i)
+
+        if m.body_parent[i] > 0:
+            add_shifted_inertia(d, m.body_parent[i], al.vec3(d.arm, i), I, H, M)
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            S_w, S_r = joints.subspace(m, d, i, k)
+            column = m.body_v[i] + k
+            moment = al.add(al.sym_vec(I, S_w), al.mat_vec(H, S_r))
+            force = al.add(al.matT_vec(H, S_w), al.sym_vec(M, S_r))
+            j = i
+
+            while j > 0:
+                for l in range(joints.n_v(m.body_joint[j])):
+                    T_w, T_r = joints.subspace(m, d, j, l)
+                    row = m.body_v[j] + l
+                    mass_matrix[row, column] = al.dot(T_w, moment) + al.dot(T_r, force)
+                    mass_matrix[column, row] = mass_matrix[row, column]
+
+                moment = al.add(moment, al.cross(al.vec3(d.arm, j), force))
+                j = m.body_parent[j]
+
+
+@kernel
+def kinetic_energy(m, d):
+    """Kinetic energy (J) of all bodies, that of the water moved with added mass included."""
+    energy = 0.0
+
+    for i in range(1, m.n_body):
+        L, p = momentum(m, d, i)
+        energy += 0.5 * (al.dot(al.vec3(d.w, i), L) + al.dot(al.vec3(d.rd, i), p))
+
+    return energy
+
+
+@kernel
+def gravity_energy(m, d):
+    """Potential energy (J) of weight, zero at the origin of O."""
+    g = al.vec3(m.gravity, 0)
+    energy = 0.0
+
+    for i in range(1, m.n_body):
+        energy -= d.body_m[i] * al.dot(g, al.vec3(d.r, i)) + al.dot(g, al.vec3(d.h, i))
+
+    return energy

@@ -1,0 +1,162 @@
+"""`m` and `d`, through which kernels read and write the buffers of a model.
+
+`m` (ModelView) names the arrays of `ints` and `reals`, which a kernel only reads; `d` (DataView) those of
+`state`, `work` and the inputs `u`. `m.body_parent`, `d.x` are the arrays of the layout table, `m.n_body` its counts.
+
+In Python a view gives numpy arrays. In compiled code it is nothing but the buffers' addresses: an array is
+a bare pointer, found when it is used from an offset in the header that the compiler may take for
+constant. (A NamedTuple of 200 numpy arrays was tried: 7 machine words an array, 25 s to compile four
+tiny kernels.)
+"""
+
+import llvmlite.ir as ir
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import (
+    NativeValue,
+    intrinsic,
+    models,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, lower_getattr_generic
+
+from .layout import COUNTS, ROW, SLOT, row_length
+
+INTS = types.CPointer(types.int64)
+REALS = types.CPointer(types.float64)
+
+
+class _View:
+    """The arrays of some buffers by name."""
+
+    _buffer_names: tuple[str, ...] = ()
+
+    def __init__(self, **buffers):
+        for name in self._buffer_names:
+            array = buffers[name]
+            dtype = np.int64 if name == "ints" else np.float64
+            assert array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1, name
+            setattr(self, f"{name}_buffer", array)
+            setattr(self, f"{name}_address", array.ctypes.data)
+
+        ints = self.ints_buffer
+        counts = {name: int(ints[k]) for k, name in enumerate(COUNTS)}
+        self.__dict__.update(counts)
+
+        for name, row in ROW.items():
+            if row.buffer in self._buffer_names:
+                offset = ints[SLOT[name]]
+                buffer = getattr(self, f"{row.buffer}_buffer")
+                setattr(self, name, buffer[offset : offset + row_length(row, counts)])
+
+
+class ModelView(_View):
+    """`m`: structure and parameters. Buffers: ints (int64) and reals (float64), one-dimensional."""
+
+    _buffer_names = ("ints", "reals")
+
+
+class DataView(_View):
+    """`d`: state, work and inputs. Buffers: ints (int64); state, work, u (float64), one-dimensional.
+
+    `u_buffer` holds the inputs' values, first and second derivatives, n_u each.
+    """
+
+    _buffer_names = ("ints", "state", "work", "u")
+
+
+class _ViewType(types.Type):
+    def __init__(self, view):
+        self.view = view
+        super().__init__(name=view.__name__)
+
+
+_TYPES = {view: _ViewType(view) for view in (ModelView, DataView)}
+MODEL, DATA = _TYPES[ModelView], _TYPES[DataView]
+
+
+@typeof_impl.register(_View)
+def _typeof_view(value, context):
+    return _TYPES[type(value)]
+
+
+@register_model(_ViewType)
+class _ViewData(models.StructModel):
+    def __init__(self, dmm, fe_type):
+        members = [(name, INTS if name == "ints" else REALS) for name in fe_type.view._buffer_names]
+        super().__init__(dmm, fe_type, members)
+
+
+@unbox(_ViewType)
+def _unbox_view(typ, obj, c):
+    struct = cgutils.create_struct_proxy(typ)(c.context, c.builder)
+
+    for name in typ.view._buffer_names:
+        address = c.pyapi.object_getattr_string(obj, f"{name}_address")
+        value = c.pyapi.long_as_ulonglong(address)
+        c.pyapi.decref(address)
+        pointer = getattr(struct, name).type
+        setattr(struct, name, c.builder.inttoptr(value, pointer))
+
+    return NativeValue(struct._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
+
+
+@infer_getattr
+class _ViewAttribute(AttributeTemplate):
+    key = _ViewType
+
+    def generic_resolve(self, typ, name):
+        if name in COUNTS:
+            return types.int64
+
+        if name == "u_buffer" and "u" in typ.view._buffer_names:
+            return REALS
+
+        if name in ROW and ROW[name].buffer in typ.view._buffer_names:
+            return INTS if ROW[name].buffer == "ints" else REALS
+
+
+@lower_getattr_generic(_ViewType)
+def _view_attribute(context, builder, typ, value, name):
+    struct = cgutils.create_struct_proxy(typ)(context, builder, value=value)
+
+    def header(slot):
+        load = builder.load(builder.gep(struct.ints, [ir.Constant(ir.IntType(64), slot)]))
+        load.set_metadata("invariant.load", builder.module.add_metadata([]))
+        return load
+
+    if name == "u_buffer":
+        return struct.u
+
+    if name in COUNTS:
+        return header(COUNTS.index(name))
+
+    return builder.gep(getattr(struct, ROW[name].buffer), [header(SLOT[name])])
+
+
+def _view_maker(view_type):
+    names = view_type.view._buffer_names
+
+    @intrinsic
+    def make(typingctx, pointers):
+        def codegen(context, builder, signature, args):
+            struct = cgutils.create_struct_proxy(view_type)(context, builder)
+
+            for k, name in enumerate(names):
+                setattr(struct, name, builder.extract_value(args[0], k))
+
+            return struct._getvalue()
+
+        return view_type(pointers), codegen
+
+    return make
+
+
+model_view = _view_maker(MODEL)
+model_view.__doc__ = "`m` from the addresses (ints, reals), in compiled code."
+data_view = _view_maker(DATA)
+data_view.__doc__ = "`d` from the addresses (ints, state, work, u), in compiled code."
