@@ -1,0 +1,141 @@
+"""Bodies, their markers, and the ground."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from .errors import listed, show
+from .fields import Array, OneOf, Part, Positive, SomeOf, Vector
+from .names import Name
+from .orientation import Oriented, Placed
+from .solids import Solid, composite
+
+MARKER_OUTPUTS = (
+    "position", "velocity", "euler_parameters", "zyx", "omega", "velocity_body", "omega_body",
+)
+
+# Published moments are rounded, so a flat plate may miss the triangle inequality by this part.
+ROUNDING = 0.01
+
+
+def inertia_matrix(inertia):
+    """The tensor (3, 3) of [ixx, iyy, izz], of [ixx, iyy, izz, ixy, ixz, iyz], or as it is."""
+    values = np.array(inertia)
+    if values.shape == (3, 3):
+        return (values + values.T) / 2
+    if values.shape == (3,):
+        return np.diag(values)
+
+    xx, yy, zz, xy, xz, yz = values
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _inertia(inertia):
+    values = np.array(inertia)
+    largest = np.abs(values).max()
+
+    if values.shape == (3, 3) and np.abs(values - values.T).max() > 1e-6 * largest:
+        raise ValueError("the matrix is not symmetric")
+
+    moments = np.linalg.eigvalsh(inertia_matrix(inertia))
+    found = "the principal moments are [" + ", ".join(f"{m:.6g}" for m in moments) + "]"
+    if moments[0] < -1e-9 * largest:
+        raise ValueError(f"no principal moment is negative on a real body; {found}")
+    if moments[0] + moments[1] < moments[2] * (1 - ROUNDING):
+        raise ValueError(
+            "no principal moment exceeds the sum of the other two on a real body; " + found
+        )
+    return inertia
+
+
+Inertia = Annotated[
+    Array(
+        (3,), (6,), (3, 3),
+        what="[ixx, iyy, izz], [ixx, iyy, izz, ixy, ixz, iyz] or a symmetric 3x3 matrix",
+    ),
+    AfterValidator(_inertia),
+]
+
+
+class InertiaAxes(Oriented):
+    """The axes in which an inertia is given, in the body's axes."""
+
+
+class Observed(Part):
+    """A frame on a body, with what goes in and out there.
+
+    output : names of MARKER_OUTPUTS.
+    input : "force" (N) and "moment" (N m) at the frame's origin, in the axes of input_axes.
+    input_axes : "inertial" or "body".
+    """
+
+    output: SomeOf(*MARKER_OUTPUTS) = []
+    input: SomeOf("force", "moment") = []
+    input_axes: OneOf("inertial", "body") = "inertial"
+
+    @model_validator(mode="after")
+    def _check_input_axes(self):
+        if "input_axes" in self.model_fields_set and not self.input:
+            raise ValueError('input_axes without an input; add input = ["force", "moment"]')
+        return self
+
+
+class GroundMarker(Placed):
+    """A frame that stands still; its position and orientation are inertial."""
+
+
+class Marker(Placed, Observed):
+    """A frame on a body, its position and orientation in the body's own frame."""
+
+
+class Ground(Part):
+    """The inertial frame and the markers on it, by name."""
+
+    marker: dict[Name, GroundMarker] = {}
+
+
+def _as_list(value):
+    if isinstance(value, (list, tuple)):
+        if not value:
+            raise ValueError("is an empty list; a body needs at least one solid")
+        return list(value)
+    return None if value is None else [value]
+
+
+class Body(Observed):
+    """A rigid body: mass, com and inertia, or solids; its markers; its own frame's in and output.
+
+    mass : kg.
+    com : centre of mass (3,) in m in the body's own frame.
+    inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1].
+    inertia_axes : orientation of the axes that the inertia is given in; the body's when left out.
+    solid : one solid or a list of them.
+    marker : markers by name.
+    """
+
+    needed = (("mass", "solid"),)
+
+    mass: Positive | None = None
+    com: Vector = (0.0, 0.0, 0.0)
+    inertia: Inertia | None = None
+    inertia_axes: InertiaAxes | None = None
+    solid: Annotated[list[Solid] | None, BeforeValidator(_as_list)] = None
+    marker: dict[Name, Marker] = {}
+
+    @model_validator(mode="after")
+    def _check_mass(self):
+        own = [key for key in ("com", "inertia", "inertia_axes") if key in self.model_fields_set]
+        if self.solid and own:
+            raise ValueError(f"the solid gives {listed(own)} already; keep one of them")
+        if self.mass and self.inertia is None:
+            raise ValueError("inertia is missing; for a point mass write inertia = [0, 0, 0]")
+        return self
+
+    def mass_properties(self):
+        """(mass kg, com (3,) m, inertia (3, 3) kg m2 about the com), in the body's own axes."""
+        if self.solid:
+            return composite([solid.mass_properties() for solid in self.solid])
+
+        A = (self.inertia_axes or InertiaAxes()).rotation().as_matrix()
+        return self.mass, np.array(self.com), A @ inertia_matrix(self.inertia) @ A.T

@@ -1,0 +1,166 @@
+"""Checks across the tables of a scene: names, references, connections, clashes of variables.
+
+References are checked on the data as written, any part of which may be wrong in other ways, so that
+one reading finds all that is wrong. What has not the right form here has its message from the schema.
+"""
+
+from .errors import NAMED_TABLES, Problem, did_you_mean, listed, place_text, quoted
+from .names import fmi_name
+
+
+def cross_references(data):
+    """The problems of names and references in the data (a dict) of a scene."""
+    bodies = _entries(data, "body")
+    ground = _get(data, "ground")
+
+    problems = []
+    for table in NAMED_TABLES:
+        problems += _same_names((table,), _entries(data, table))
+    for name, body in bodies.items():
+        problems += _same_names(("body", name, "marker"), _entries(body, "marker"))
+    problems += _same_names(("ground", "marker"), _entries(ground, "marker"))
+
+    if not bodies:
+        if _get(data, "body") in (None, {}):
+            problems.append(Problem((), "there is no body; write a table [body.NAME]"))
+        return problems
+
+    markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
+    markers["ground"] = _plain_entries(ground, "marker")
+
+    edges = []
+    all_clear = True
+    for table in ("joint", "force"):
+        for name, entry in _entries(data, table).items():
+            ends = _ends(entry)
+            wrong = _wrong_ends(table, ends, markers, _plain_entries(data, "joint"))
+            problems += [Problem((table, name, "between"), text) for text in wrong]
+
+            if table == "joint":
+                edges.append({end[0] for end in ends})
+                all_clear = all_clear and ends and not wrong
+
+    # while a joint's ends are in doubt, so is what hangs on it
+    if all_clear:
+        problems += _loose_bodies(bodies, edges)
+    return problems
+
+
+def clashes(scene):
+    """The problems of inputs and outputs of a valid scene that get the same name in an FMU."""
+    problems, seen = [], {}
+    for path, variable in _variables(scene):
+        first = seen.setdefault(variable, path)
+        if first != path:
+            place = place_text(first[:-1]).rstrip(":")
+            problems.append(Problem(path, f"the variable {variable} exists already, from {place}"))
+    return problems
+
+
+def _variables(scene):
+    """(path, FMU name without indices) of all inputs and outputs."""
+    for table in NAMED_TABLES:
+        for name, entry in getattr(scene, table).items():
+            yield from _variables_of((table, name), fmi_name(name), entry)
+            for marker, frame in getattr(entry, "marker", {}).items():
+                path = (table, name, "marker", marker)
+                yield from _variables_of(path, f"{fmi_name(name)}.{fmi_name(marker)}", frame)
+
+
+def _variables_of(path, prefix, entry):
+    inputs = getattr(entry, "input", None) or []
+    for item in [inputs] if isinstance(inputs, str) else inputs:
+        yield (*path, "input"), f"{prefix}.{item}"
+    for item in entry.output:
+        yield (*path, "output"), f"{prefix}.{item}"
+
+
+# data as written
+
+def _get(holder, key):
+    return holder.get(key) if isinstance(holder, dict) else getattr(holder, key, None)
+
+
+def _entries(holder, key):
+    entries = _get(holder, key)
+    if not isinstance(entries, dict):
+        return {}
+    return {name: entry for name, entry in entries.items() if isinstance(name, str)}
+
+
+def _plain(name):
+    return name.strip()
+
+
+def _plain_entries(holder, key):
+    return [_plain(name) for name in _entries(holder, key)]
+
+
+def _ends(entry):
+    """The two ends of a joint or force as lists of names; [] when they have not that form."""
+    between = _get(entry, "between")
+    if not isinstance(between, (list, tuple)) or len(between) != 2:
+        return []
+    if not all(isinstance(end, str) for end in between):
+        return []
+
+    ends = [[_plain(name) for name in end.split(".")] for end in between]
+    return ends if all(len(end) <= 2 and all(end) for end in ends) else []
+
+
+# what is wrong with it
+
+def _same_names(path, names):
+    problems, seen = [], {}
+    for name in names:
+        first = seen.setdefault(fmi_name(_plain(name)), name)
+        if first != name:
+            text = f"the name is the same as {quoted(first)} in an FMU; choose another"
+            problems.append(Problem((*path, name), text))
+    return problems
+
+
+def _wrong_ends(table, ends, markers, joints):
+    """Texts about the ends of a joint or force; markers is {body: its markers}."""
+    wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
+    if ends and not wrong and ends[0][0] == ends[1][0]:
+        return [f"both ends are on {quoted(ends[0][0])}; a {table} acts between two bodies"]
+    return wrong
+
+
+def _wrong_end(end, markers, joints):
+    body, written = end[0], ".".join(end)
+    known = [*markers, *(f"{b}.{marker}" for b in markers for marker in markers[b])]
+    if written in known:
+        return None
+
+    if body in markers:
+        owner = "the ground" if body == "ground" else f"body {quoted(body)}"
+        text = f"no marker {quoted(end[1])} on {owner}; it has {listed(markers[body]) or 'none'}."
+        return text + did_you_mean(written, [name for name in known if name.startswith(body + ".")])
+
+    text = f"no body {quoted(body)}; there is {listed(markers)}."
+    if body in joints:
+        text += f" {quoted(body)} is a joint."
+
+    # a marker without its body is a likely slip
+    same = [name for name in known if name.partition(".")[2] == body]
+    return text + did_you_mean(same[0] if same else written, known)
+
+
+def _loose_bodies(bodies, edges):
+    """Problems of bodies from which no chain of joints leads to ground."""
+    reached, before = {"ground"}, None
+    while reached != before:
+        before = reached
+        reached = reached.union(*(edge for edge in edges if edge & reached))
+
+    return [
+        Problem(
+            ("body", name),
+            "no chain of joints connects it to ground; to let it move freely, write a joint "
+            f'with free = {{}} and between = ["ground", {quoted(_plain(name))}]',
+        )
+        for name in bodies
+        if _plain(name) not in reached
+    ]

@@ -1,0 +1,127 @@
+"""What is wrong with a scene, said so that its author can mend it.
+
+A `Problem` is one thing that is wrong: where (a path of keys into the scene) and what. A `SceneError`
+carries all problems of a file. Its text reads
+
+    arm.toml: [joint.elbow] between: no marker "elbw" on body "upper"; ... Did you mean "upper.elbow"?
+"""
+
+import json
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+# Tables whose entries have names of their own: [body.upper], [joint.elbow], [force.strut].
+NAMED_TABLES = ("body", "joint", "force")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong.
+
+    path : keys (str) and 0-based list positions (int) from the scene to the place.
+    text : what was found there and what would do.
+    """
+
+    path: tuple
+    text: str
+
+    def __str__(self):
+        place = place_text(self.path)
+        return f"{place} {self.text}" if place else self.text
+
+
+class SceneError(Exception):
+    """A scene cannot be read or makes no sense.
+
+    problems : list of `Problem`.
+    file : name of the file the scene came from, or None.
+    errors : list of str, one complete message per problem.
+    """
+
+    def __init__(self, problems, file=None):
+        self.problems = list(problems)
+        self.file = file
+        prefix = f"{file}: " if file else ""
+        self.errors = [prefix + str(problem) for problem in self.problems]
+        super().__init__("\n".join(self.errors))
+
+
+def place_text(path):
+    """The place of a problem as a reader of the file looks for it: `[body.upper] marker.tip.position[2]:`.
+
+    Positions in lists count from 1, as FMU variables do.
+    """
+    path = list(path)
+    if not path:
+        return ""
+
+    in_table = path[0] in (*NAMED_TABLES, "ground", "solver")
+    depth = (2 if path[0] in NAMED_TABLES else 1) if in_table else 0
+    table, keys = path[:depth], path[depth:]
+
+    words = []
+    if table:
+        words.append("[" + ".".join(key_text(key) for key in table) + "]")
+    if keys:
+        dotted = ".".join(f"[{k + 1}]" if isinstance(k, int) else key_text(k) for k in keys)
+        words.append(dotted.replace(".[", "[") + ":")
+
+    return " ".join(words)
+
+
+def key_text(key):
+    """A key as TOML writes it: bare where that is allowed, else quoted."""
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
+
+
+def quoted(text):
+    """A string as TOML writes it, on one line."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def show(value, limit=60):
+    """A short picture of a value found in a scene, written as in TOML."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return quoted(value if len(value) <= limit else value[: limit - 3] + "...")
+    if isinstance(value, dict):
+        return "a table" if value else "an empty table"
+
+    if isinstance(value, (list, tuple)):
+        if not value:
+            return "an empty list"
+        plain = not any(isinstance(item, (list, tuple, dict)) for item in value)
+        if plain and len(value) <= 9:
+            text = "[" + ", ".join(show(item) for item in value) + "]"
+            if len(text) <= limit:
+                return text
+        return f"a list of {len(value)}"
+
+    # int first: Python refuses to print very long ones, and they do not fit a float
+    if isinstance(value, int) and abs(value) > 10**20:
+        return "a whole number of more than 20 digits"
+
+    text = str(value)
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def listed(words, joiner="and", limit=12):
+    """`"a", "b" and "c"`; a long list is cut short."""
+    words = [quoted(word) for word in words]
+    if len(words) > limit:
+        return ", ".join(words[:limit]) + f" {joiner} {len(words) - limit} more"
+    if len(words) < 2:
+        return "".join(words)
+    return ", ".join(words[:-1]) + f" {joiner} {words[-1]}"
+
+
+def did_you_mean(word, options):
+    """` Did you mean "x"?` for the option nearest to the word, or nothing when none is near."""
+    # compared in lower case, answered as written
+    spelt = {option.lower(): option for option in options}
+    near = get_close_matches(str(word).lower(), list(spelt), n=1, cutoff=0.6)
+    return f" Did you mean {quoted(spelt[near[0]])}?" if near else ""

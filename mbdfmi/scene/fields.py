@@ -1,0 +1,219 @@
+"""What a scene's tables are made of: numbers, arrays, axes, choices, and the tables themselves."""
+
+import math
+from typing import Annotated, ClassVar, Union
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Tag, ValidationError
+from pydantic import model_validator
+
+from .errors import SceneError, did_you_mean, listed, show
+from .messages import TAG, problems_of
+
+# Larger magnitudes are mistakes, and their products would overflow.
+LARGEST = 1e30
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+AXES |= {"-" + name: tuple(-c for c in axis) for name, axis in AXES.items()}
+
+
+# numbers
+
+def number(value):
+    """A finite float of a sane size, or ValueError."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, str):
+        raise ValueError(f"needs a number, without quotes or a unit; found {show(value)}")
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"needs a number, found {show(value)}")
+    if not abs(value) <= LARGEST:
+        raise ValueError(f"needs a finite number, at most 1e30; found {show(value)}")
+    return float(value)
+
+
+def _positive(value):
+    if not number(value) > 0:
+        raise ValueError(f"must be greater than 0, found {show(value)}")
+    return number(value)
+
+
+def _not_negative(value):
+    if number(value) < 0:
+        raise ValueError(f"must not be negative, found {show(value)}")
+    return number(value)
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Positive = Annotated[float, BeforeValidator(_positive)]
+NotNegative = Annotated[float, BeforeValidator(_not_negative)]
+
+
+# arrays
+
+def array(value, *shapes, what):
+    """A nested tuple of floats in one of the shapes, or ValueError; `what` says them in words."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+
+    for shape in shapes:
+        if _has_shape(value, shape):
+            return _floats(value)
+
+    raise ValueError(f"needs {what}, found {show(value)}")
+
+
+def _has_shape(value, shape):
+    if not shape:
+        return not isinstance(value, (list, tuple))
+    if not isinstance(value, (list, tuple)) or len(value) != shape[0]:
+        return False
+    return all(_has_shape(item, shape[1:]) for item in value)
+
+
+def _floats(value):
+    if isinstance(value, (list, tuple)):
+        return tuple(_floats(item) for item in value)
+    return number(value)
+
+
+def Array(*shapes, what):
+    """The pydantic type of such an array."""
+    return Annotated[tuple, BeforeValidator(lambda value: array(value, *shapes, what=what))]
+
+
+Vector = Array((3,), what="3 numbers [x, y, z]")
+Matrix6 = Array((6, 6), what="a 6x6 matrix, 6 rows of 6 numbers")
+Vector6 = Array((6,), what="6 numbers [x, y, z, rx, ry, rz]")
+
+
+# axes
+
+def _axis(value):
+    if isinstance(value, str):
+        if value not in AXES:
+            raise ValueError(
+                f"no axis {show(value)}; there are {listed(AXES)}, and vectors [x, y, z]."
+                + did_you_mean(value, AXES)
+            )
+        return value
+
+    vector = array(value, (3,), what='an axis such as "y" or "-z", or a vector [x, y, z]')
+    if math.hypot(*vector) < 1e-9:
+        raise ValueError(f"an axis needs a direction, found {show(vector)}")
+    return vector
+
+
+Axis = Annotated[str | tuple, BeforeValidator(_axis)]
+
+
+def unit_vector(axis):
+    """The unit vector (3,) of an axis written as a name or as a vector."""
+    vector = np.array(AXES[axis] if isinstance(axis, str) else axis)
+    return vector / np.linalg.norm(vector)
+
+
+# choices
+
+def _choice(value, options):
+    if not isinstance(value, str):
+        raise ValueError(f"needs one of {listed(options, 'or')}, found {show(value)}")
+    if value not in options:
+        raise ValueError(
+            f"no {show(value)} here; there is {listed(options)}." + did_you_mean(value, options)
+        )
+    return value
+
+
+def OneOf(*options):
+    """The type of a text that is one of the options."""
+    return Annotated[str, BeforeValidator(lambda value: _choice(value, options))]
+
+
+def SomeOf(*options):
+    """The type of a list of options, each at most once."""
+
+    def validate(value):
+        if isinstance(value, str):
+            raise ValueError(f"needs a list, found {show(value)}; write [{show(value)}]")
+        if not isinstance(value, (list, tuple)):
+            raise ValueError(f"needs a list of {listed(options)}, found {show(value)}")
+
+        chosen = []
+        for item in value:
+            if _choice(item, options) in chosen:
+                raise ValueError(f"{show(item)} is listed twice")
+            chosen.append(item)
+        return chosen
+
+    return Annotated[list[str], BeforeValidator(validate)]
+
+
+# tables
+
+class _PartType(type(BaseModel)):
+    def __call__(cls, *args, **kwargs):
+        # only parts made by hand come here, not those pydantic makes inside another
+        try:
+            return super().__call__(*args, **kwargs)
+        except ValidationError as error:
+            raise SceneError(problems_of(error, cls, kwargs)) from None
+
+
+class Part(BaseModel, metaclass=_PartType):
+    """A table of a scene. Parts do not change once made.
+
+    kind : of the classes that share a place, the key that tells which is meant; else None.
+    exclusive : groups of keys of which at most one may be given.
+    needed : groups of keys of which exactly one must be given.
+
+    Raises SceneError with all that is wrong when it is made.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    kind: ClassVar[str | None] = None
+    exclusive: ClassVar[tuple] = ()
+    needed: ClassVar[tuple] = ()
+
+    @model_validator(mode="after")
+    def _check_alternatives(self):
+        for keys in self.exclusive + self.needed:
+            given = [key for key in keys if getattr(self, key) is not None]
+            if len(given) > 1:
+                raise ValueError(f"{listed(given)} exclude each other; keep one of them")
+            if not given and keys in self.needed:
+                raise ValueError(f"needs one of {listed(keys, 'or')}")
+        return self
+
+
+class Empty(Part):
+    """A table with no keys, `{}`."""
+
+
+def by_key(what, *classes):
+    """The union of the classes; a table is of the class whose `kind` is one of its keys."""
+    kinds = {cls.kind: cls for cls in classes}
+
+    def check(value):
+        if isinstance(value, classes):
+            return value
+        if not isinstance(value, dict):
+            raise ValueError(f"{what} needs a table, found {show(value)}")
+
+        given = [key for key in value if key in kinds]
+        if len(given) > 1:
+            raise ValueError(f"{what} is of one kind, found {listed(given)}; keep one of them")
+        if not given:
+            near = "".join(did_you_mean(key, kinds) for key in value)
+            found = f"found {listed(value)}" if value else "found an empty table"
+            raise ValueError(f"{what} needs one of {listed(kinds, 'or')}; {found}.{near}")
+        return value
+
+    def tag(value):
+        if isinstance(value, classes):
+            return TAG + value.kind
+        return TAG + next(key for key in value if key in kinds)
+
+    union = Union[tuple(Annotated[cls, Tag(TAG + cls.kind)] for cls in classes)]
+    return Annotated[union, Discriminator(tag), BeforeValidator(check)]

@@ -1,0 +1,103 @@
+"""A scene: everything a user writes about a multibody system, in one checked structure."""
+
+import numpy as np
+from pydantic import Field, ValidationError, model_validator
+
+from .bodies import Body, Ground
+from .checks import clashes, cross_references
+from .errors import SceneError
+from .fields import OneOf, Part, Positive, SomeOf, Vector
+from .forces import Force
+from .joints import Joint
+from .messages import problems_of
+from .names import Name, Text, Title
+from .writer import toml_text
+
+
+class Solver(Part):
+    """How time advances inside a communication step.
+
+    integrator : "rk4", of fixed step, or "rk54", adaptive.
+    step : s, of rk4.
+    tolerance, absolute_tolerance : of rk54, relative and absolute.
+    max_step : s, of rk54, or None.
+    """
+
+    integrator: OneOf("rk4", "rk54") = "rk54"
+    step: Positive | None = None
+    tolerance: Positive = 1e-8
+    absolute_tolerance: Positive = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
+    max_step: Positive | None = None
+
+    @model_validator(mode="after")
+    def _check_integrator(self):
+        if self.integrator == "rk4" and self.step is None:
+            raise ValueError("rk4 needs a step, as in step = 1e-3")
+        if self.integrator == "rk54" and self.step is not None:
+            raise ValueError('rk54 chooses its step itself; write max_step, or integrator = "rk4"')
+
+        for key in ("tolerance", "absolute_tolerance", "max_step"):
+            if self.integrator == "rk4" and key in self.model_fields_set:
+                raise ValueError(f"rk4 has no {key}; leave it out, or take rk54")
+        return self
+
+
+class Scene(Part):
+    """A multibody scene.
+
+    name : free text.
+    title, description : free text, or None.
+    gravity : (3,) in m/s2 in the inertial frame.
+    output : any of "kinetic_energy", "potential_energy", "total_energy" (J).
+    solver, ground : as above.
+    body, joint, force : by name, in the order written.
+
+    Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
+    with all that is wrong.
+    """
+
+    name: Title = Field(description='name of the scene, as in name = "pendulum"')
+    title: Title | None = None
+    description: Text | None = None
+    gravity: Vector = (0.0, 0.0, -9.81)
+    output: SomeOf("kinetic_energy", "potential_energy", "total_energy") = []
+    solver: Solver = Solver()
+    ground: Ground = Ground()
+    body: dict[Name, Body] = {}
+    joint: dict[Name, Joint] = {}
+    force: dict[Name, Force] = {}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _check_whole(cls, data, handler):
+        if isinstance(data, cls):
+            return data
+
+        # the references are checked even where other things are wrong, so that all is said at once
+        try:
+            scene, problems = handler(data), []
+        except ValidationError as error:
+            scene, problems = None, problems_of(error, cls, data)
+
+        problems += cross_references(data)
+        if scene:
+            problems += clashes(scene)
+        if problems:
+            raise SceneError(problems)
+        return scene
+
+    def marker_pose(self, end):
+        """Where an end ("body", "body.marker", "ground", "ground.marker") is.
+
+        Returns (name of the body or "ground", position (3,) in m, A (3, 3)) in that body's frame.
+        """
+        owner, _, marker = end.partition(".")
+        if not marker:
+            return owner, np.zeros(3), np.eye(3)
+
+        holder = self.ground if owner == "ground" else self.body[owner]
+        return owner, *holder.marker[marker].pose()
+
+    def to_toml(self):
+        """The scene as the text of a TOML file."""
+        return toml_text(self)
