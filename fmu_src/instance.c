@@ -1,0 +1,247 @@
+#include "instance.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernels.h"
+
+const char *const CATEGORY_NAMES[N_CATEGORIES] = {
+    "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logAll"};
+
+/* ---- log ---- */
+
+static Category category_of(fmi2Status status)
+{
+    switch (status) {
+        case fmi2Warning: return LOG_WARNING;
+        case fmi2Discard: return LOG_DISCARD;
+        case fmi2Error:   return LOG_ERROR;
+        case fmi2Fatal:   return LOG_FATAL;
+        default:          return LOG_EVENTS;
+    }
+}
+
+fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
+{
+    Category category = category_of(status);
+    bool wanted = category == LOG_ERROR || category == LOG_FATAL
+                  || c->logged[LOG_ALL] || c->logged[category];
+
+    if (!wanted || !c->callbacks.logger) return status;
+
+    char text[1024], message[2*sizeof text];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+
+    /* the logger takes a format (%) in which #r12# stands for a variable: double both signs */
+    char *to = message;
+    for (const char *from = text; *from; from++) {
+        if (*from == '%' || *from == '#') *to++ = *from;
+        *to++ = *from;
+    }
+    *to = '\0';
+
+    c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status,
+                        CATEGORY_NAMES[category], message);
+    return status;
+}
+
+/* Reports what a kernel said; OK when it said nothing. `severity` is that of a failure. */
+static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken, int64_t status)
+{
+    if (broken)
+        return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
+    if (status == 0) return fmi2OK;
+
+    int64_t code = status % 256, place = status/256;
+    const Resource *r = &c->resource;
+    const char *text = resource_message(r, code);
+    const char *name = place >= 0 && place < r->n_places ? r->places[place] : "?";
+    double time = c->state[0];
+
+    if (!text)
+        return instance_log(c, severity, "%s at t = %.9g s: failure %d at %s", doing, time, (int)code, name);
+
+    /* the text may name the place by one %s; it comes from a file and is never a format */
+    const char *gap = strstr(text, "%s");
+    if (!gap)
+        return instance_log(c, severity, "%s at t = %.9g s: %s", doing, time, text);
+    return instance_log(c, severity, "%s at t = %.9g s: %.*s%s%s", doing, time,
+                        (int)(gap - text), text, name, gap + 2);
+}
+
+/* ---- life ---- */
+
+static char *copy_text(const char *text)
+{
+    char *copy = malloc(strlen(text) + 1);
+
+    return copy ? strcpy(copy, text) : NULL;
+}
+
+static bool allocate(Instance *c)
+{
+    const Resource *r = &c->resource;
+
+    c->core_size = sizeof(Core) + (size_t)(r->n_reals + r->n_state + 3*r->n_u)*sizeof(double);
+    c->core = calloc(1, c->core_size);
+    c->work = calloc((size_t)r->n_work + 1, sizeof(double));
+    c->y = calloc((size_t)r->n_y + 1, sizeof(double));
+    if (!c->core || !c->work || !c->y) return false;
+
+    c->reals = (double *)(c->core + 1);
+    c->state = c->reals + r->n_reals;
+    c->u = c->state + r->n_state;
+    return true;
+}
+
+Instance *instance_create(const char *name, const char *guid, const char *location,
+                          const fmi2CallbackFunctions *callbacks, bool logging)
+{
+    char why[1024];
+    Instance *c = calloc(1, sizeof *c);
+
+    if (!c) return NULL;
+    c->logged[LOG_ALL] = logging;
+    if (callbacks) c->callbacks = *callbacks;
+    c->name = copy_text(name ? name : "");
+
+    if (!c->name)
+        instance_log(c, fmi2Error, "out of memory");
+    else if (!name || !*name)
+        instance_log(c, fmi2Error, "the instance needs a name");
+    else if (!guid)
+        instance_log(c, fmi2Error, "the GUID is missing");
+    else if (!location)
+        instance_log(c, fmi2Error, "the resource location is missing");
+    else if (!resource_read(&c->resource, location, why, sizeof why))
+        instance_log(c, fmi2Error, "%s", why);
+    else if (strcmp(guid, c->resource.guid) != 0)
+        instance_log(c, fmi2Error, "the GUID is '%s', that of the resource file is '%s'",
+                     guid, c->resource.guid);
+    else if (!allocate(c))
+        instance_log(c, fmi2Error, "out of memory");
+    else {
+        instance_reset(c);
+        return c;
+    }
+
+    instance_free(c);
+    return NULL;
+}
+
+void instance_free(Instance *c)
+{
+    resource_free(&c->resource);
+    free(c->core);
+    free(c->work);
+    free(c->y);
+    free(c->name);
+    free(c);
+}
+
+void instance_reset(Instance *c)
+{
+    const Resource *r = &c->resource;
+
+    memset(c->core, 0, c->core_size);
+    memset(c->work, 0, (size_t)r->n_work*sizeof(double));
+    memcpy(c->reals, r->reals, (size_t)r->n_reals*sizeof(double));
+    c->core->stop_time = INFINITY;
+    c->core->mode = INSTANTIATED;
+    c->prepared = c->current = false;
+}
+
+/* ---- kernels ---- */
+
+fmi2Status instance_prepare(Instance *c)
+{
+    void *excinfo;
+    int64_t status = 0;
+    const int64_t *ints = c->resource.ints;
+
+    if (!c->prepared) {
+        int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, c->state, c->work);
+        fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
+        if (result != fmi2OK) return result;
+        c->prepared = true;
+    }
+
+    if (!c->core->started) {
+        int32_t broken = mbdfmi_initialise(&status, &excinfo, ints, c->reals, c->state, c->work,
+                                           c->core->start_time);
+        fmi2Status result = report(c, fmi2Error, "initialisation", broken, status);
+        if (result != fmi2OK) return result;
+        c->core->started = 1;
+    }
+    return fmi2OK;
+}
+
+fmi2Status instance_outputs(Instance *c)
+{
+    if (c->current) return fmi2OK;
+
+    fmi2Status result = instance_prepare(c);
+    if (result != fmi2OK) return result;
+
+    void *excinfo;
+    int64_t status = 0;
+    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals, c->state,
+                                    c->work, c->u, c->y);
+
+    result = report(c, fmi2Error, "outputs", broken, status);
+    c->current = result == fmi2OK;
+    return result;
+}
+
+/* The inputs are quadratic in time over a step: moves their start to its end. */
+static void advance_inputs(Instance *c, double H)
+{
+    int64_t n = c->resource.n_u;
+    double *u = c->u, *du = u + n, *ddu = du + n;
+
+    for (int64_t i = 0; i < n; i++) {
+        u[i] += H*(du[i] + 0.5*H*ddu[i]);
+        du[i] = ddu[i] = 0;
+    }
+}
+
+fmi2Status instance_step(Instance *c, double t, double H)
+{
+    fmi2Status result = instance_prepare(c);
+    if (result != fmi2OK) return result;
+
+    Core *core = c->core;
+    double end = t + H;
+
+    /* A master that forms H as the difference of two times is off by their rounding: take the
+       last step's H again, so that all ways to count time give the same bits. */
+    double rounding = 4*DBL_EPSILON*fmax(fabs(t), fabs(end));
+    if (core->step > 0 && fabs(H - core->step) <= rounding) H = core->step;
+
+    void *excinfo;
+    int64_t status = 0;
+    double before = c->state[0];
+    int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->state, c->work,
+                                 c->u, H);
+
+    result = report(c, fmi2Discard, "step", broken, status);
+    c->current = false;
+    if (result == fmi2OK) {
+        core->time = end;
+        core->step = H;
+        advance_inputs(c, H);
+    }
+    else {
+        core->time = t + (c->state[0] - before);
+        core->mode = STEP_FAILED;
+    }
+    return result;
+}

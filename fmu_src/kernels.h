@@ -1,0 +1,36 @@
+/* The entry points of the compiled kernels, and all that the wrapper knows of them.
+
+   Each returns 0 (anything else: an internal failure) and writes to *status
+   code + 256*place, 0 when all is well; the texts of the codes and the names of the
+   places are in the resource file. excinfo is numba's and stays unused.
+
+   ints    structure of the model, read only, shared by everything
+   reals   parameters and constants of one instance, SI units
+   state   state of one instance: state[0] is the time (s), the rest is the kernels' own
+   work    scratch, zero at first; prepare leaves there what follows from the parameters
+   u       3*n_u: values of the inputs, then their first, then their second derivatives
+           at the start of the step
+   y       n_y outputs
+*/
+#ifndef MBDFMI_KERNELS_H
+#define MBDFMI_KERNELS_H
+
+#include <stdint.h>
+
+/* after any change of a parameter, before anything else uses it */
+int32_t mbdfmi_prepare(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
+                       double *state, double *work);
+
+/* start values -> state at the time t0 (s) */
+int32_t mbdfmi_initialise(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
+                          double *state, double *work, double t0);
+
+/* advances by H (s); on failure the state is that of the last accepted inner step */
+int32_t mbdfmi_step(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
+                    double *state, double *work, const double *u, double H);
+
+/* y at the present state */
+int32_t mbdfmi_outputs(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
+                       double *state, double *work, const double *u, double *y);
+
+#endif

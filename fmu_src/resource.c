@@ -1,0 +1,257 @@
+#include "resource.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "crc32.h"
+
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+#endif
+
+#define FILE_NAME "model.bin"
+#define VERSION 1
+#define MAX_COUNT (INT64_C(1) << 31)      /* of any array: far beyond any model */
+
+static const char MAGIC[8] = "mbdfmi\0\1";
+
+/* The head of the file, as it lies there. */
+typedef struct {
+    char magic[8];
+    uint32_t version, crc;
+    uint64_t length;
+} Head;
+
+typedef struct {
+    int64_t count[9];
+    char guid[GUID_SIZE];
+} Sizes;
+
+static bool fail(char *why, size_t why_size, const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(why, why_size, format, args);
+    va_end(args);
+    return false;
+}
+
+/* fopen for reading, of a UTF-8 path on every platform */
+static FILE *open_file(const char *path)
+{
+#ifdef _WIN32
+    FILE *file = NULL;
+    int n = MultiByteToWideChar(CP_UTF8, 0, path, -1, NULL, 0);
+    wchar_t *wide = n > 0 ? malloc(n*sizeof *wide) : NULL;
+
+    if (wide && MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, n) > 0)
+        file = _wfopen(wide, L"rb");
+    free(wide);
+    return file;
+#else
+    return fopen(path, "rb");
+#endif
+}
+
+static int hex_digit(char c)
+{
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+}
+
+static bool starts_with(const char *text, const char *start)
+{
+    for (; *start; text++, start++)
+        if (tolower((unsigned char)*text) != *start) return false;
+    return true;
+}
+
+/* The path of the resource file, to be freed; NULL and `why` on failure. */
+static char *file_path(const char *location, char *why, size_t why_size)
+{
+    bool uri = starts_with(location, "file:");
+    const char *from = uri ? location + 5 : location;
+
+    if (!uri && strstr(location, "://")) {
+        fail(why, why_size, "the resource location '%s' is not a file: URI", location);
+        return NULL;
+    }
+
+    /* the authority: none, localhost, or (a share of Windows) a host */
+    if (uri && starts_with(from, "//localhost/")) from += 11;
+    else if (uri && starts_with(from, "///")) from += 2;
+#ifndef _WIN32
+    else if (uri && starts_with(from, "//")) {
+        fail(why, why_size, "the resource location '%s' names another host", location);
+        return NULL;
+    }
+#endif
+
+    char *path = malloc(strlen(from) + sizeof "/" FILE_NAME);
+    if (!path) {
+        fail(why, why_size, "out of memory");
+        return NULL;
+    }
+
+    char *to = path;
+    while (*from) {
+        int high = uri && from[0] == '%' ? hex_digit(from[1]) : -1;
+        int low = high >= 0 ? hex_digit(from[2]) : -1;
+
+        if (low >= 0) {
+            *to++ = (char)(16*high + low);
+            from += 3;
+        }
+        else *to++ = *from++;
+    }
+    *to = '\0';
+
+#ifdef _WIN32
+    /* /C:/folder -> C:/folder */
+    if (path[0] == '/' && isalpha((unsigned char)path[1]) && path[2] == ':')
+        memmove(path, path + 1, strlen(path));
+#endif
+
+    size_t n = strlen(path);
+    if (n > 0 && path[n - 1] != '/') path[n++] = '/';
+    memcpy(path + n, FILE_NAME, sizeof FILE_NAME);
+    return path;
+}
+
+/* Takes n strings from *text on; false when the data end before. */
+static bool take_strings(const char **strings, int64_t n, const char **text, const char *end)
+{
+    for (int64_t i = 0; i < n; i++) {
+        const char *stop = memchr(*text, '\0', (size_t)(end - *text));
+        if (!stop) return false;
+        strings[i] = *text;
+        *text = stop + 1;
+    }
+    return true;
+}
+
+/* Reads the checked contents of the file into r->data. */
+static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t why_size)
+{
+    Head head;
+
+    if (fread(&head, sizeof head, 1, file) != 1)
+        return fail(why, why_size, "it is too short");
+    if (memcmp(head.magic, MAGIC, sizeof MAGIC) != 0)
+        return fail(why, why_size, "it is not a model of mbdfmi");
+    if (head.version != VERSION)
+        return fail(why, why_size, "it has format %u, this library reads format %d",
+                    (unsigned)head.version, VERSION);
+
+    /* the true length, before memory is asked for */
+    long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    if (size < 0 || (uint64_t)size - sizeof head != head.length)
+        return fail(why, why_size, "it has %ld bytes and should have %llu: truncated or damaged",
+                    size, (unsigned long long)head.length + sizeof head);
+    if (head.length < sizeof(Sizes))
+        return fail(why, why_size, "it is too short");
+
+    *length = (size_t)head.length;
+    r->data = malloc(*length);
+    if (!r->data)
+        return fail(why, why_size, "out of memory for %zu bytes", *length);
+    if (fseek(file, sizeof head, SEEK_SET) != 0 || fread(r->data, 1, *length, file) != *length)
+        return fail(why, why_size, "it cannot be read to its end");
+    if (crc32_of(r->data, *length) != head.crc)
+        return fail(why, why_size, "its checksum is wrong: damaged");
+    return true;
+}
+
+/* Sets the pointers into r->data, trusting no size in it. */
+static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
+{
+    Sizes sizes;
+    int64_t *counts[9] = {&r->n_ints, &r->n_reals, &r->n_state, &r->n_work, &r->n_u, &r->n_y,
+                          &r->n_param, &r->n_places, &r->n_messages};
+
+    memcpy(&sizes, r->data, sizeof sizes);
+    for (int i = 0; i < 9; i++) {
+        if (sizes.count[i] < 0 || sizes.count[i] > MAX_COUNT)
+            return fail(why, why_size, "it has an impossible size");
+        *counts[i] = sizes.count[i];
+    }
+    if (r->n_state < 1)
+        return fail(why, why_size, "it has no room for the time in its state");
+    if (sizes.guid[GUID_SIZE - 1] != '\0')
+        return fail(why, why_size, "its GUID is too long");
+    memcpy(r->guid, sizes.guid, GUID_SIZE);
+
+    /* numbers: 8 bytes each; strings: at least their NUL */
+    int64_t n_numbers = r->n_ints + r->n_reals + 2*r->n_param;
+    int64_t n_names = r->n_u + r->n_y + r->n_param;
+    int64_t n_strings = n_names + r->n_places + 2*r->n_messages;
+    int64_t room = (int64_t)(length - sizeof sizes);
+
+    if (n_numbers > room/8 || n_strings > room - 8*n_numbers)
+        return fail(why, why_size, "its sizes do not agree with its length");
+
+    const unsigned char *data = r->data + sizeof sizes;
+    r->ints = (const int64_t *)data;
+    r->reals = (const double *)(data + 8*r->n_ints);
+    r->param_index = (const int64_t *)(r->reals + r->n_reals);
+    r->param_tunable = r->param_index + r->n_param;
+
+    for (int64_t i = 0; i < r->n_param; i++)
+        if (r->param_index[i] < 0 || r->param_index[i] >= r->n_reals)
+            return fail(why, why_size, "a parameter lies outside the reals");
+
+    const char *text = (const char *)(r->param_tunable + r->n_param);
+    const char *end = (const char *)(r->data + length);
+
+    r->names = malloc((size_t)(n_strings + 1)*sizeof *r->names);
+    if (!r->names)
+        return fail(why, why_size, "out of memory");
+    r->places = r->names + n_names;
+    r->messages = r->places + r->n_places;
+    if (!take_strings(r->names, n_strings, &text, end) || text != end)
+        return fail(why, why_size, "its names do not agree with its length");
+    return true;
+}
+
+bool resource_read(Resource *r, const char *location, char *why, size_t why_size)
+{
+    char reason[256];
+    size_t length = 0;
+    char *path = file_path(location, why, why_size);
+    FILE *file = path ? open_file(path) : NULL;
+
+    memset(r, 0, sizeof *r);
+    bool good = file && read_data(r, file, &length, reason, sizeof reason)
+                     && take_apart(r, length, reason, sizeof reason);
+
+    if (path && !file)
+        fail(why, why_size, "the resource file '%s' cannot be opened", path);
+    else if (path && !good)
+        fail(why, why_size, "the resource file '%s' is refused: %s", path, reason);
+
+    if (file) fclose(file);
+    if (!good) resource_free(r);
+    free(path);
+    return good;
+}
+
+void resource_free(Resource *r)
+{
+    free(r->names);
+    free(r->data);
+    memset(r, 0, sizeof *r);
+}
+
+const char *resource_message(const Resource *r, int64_t code)
+{
+    for (int64_t i = 0; i < r->n_messages; i++)
+        if (strtoll(r->messages[2*i], NULL, 10) == code) return r->messages[2*i + 1];
+    return NULL;
+}

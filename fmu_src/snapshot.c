@@ -1,0 +1,117 @@
+#include "snapshot.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "crc32.h"
+
+#define VERSION 1
+
+static const char MAGIC[8] = "mbdfmi\0S";
+
+struct Snapshot {
+    char magic[8];
+    uint32_t version;
+    uint32_t crc;                     /* of the bytes behind the head; only in the serialised form */
+    int64_t n_reals, n_state, n_u;
+    char guid[GUID_SIZE];
+    Core core;                        /* and the rest of the instance's block */
+};
+
+size_t snapshot_size(const Instance *c)
+{
+    return offsetof(Snapshot, core) + c->core_size;
+}
+
+Snapshot *snapshot_take(const Instance *c, Snapshot *s)
+{
+    const Resource *r = &c->resource;
+
+    if (!s) s = malloc(snapshot_size(c));
+    if (!s) return NULL;
+
+    memcpy(s->magic, MAGIC, sizeof MAGIC);
+    s->version = VERSION;
+    s->crc = 0;
+    s->n_reals = r->n_reals;
+    s->n_state = r->n_state;
+    s->n_u = r->n_u;
+    memcpy(s->guid, r->guid, GUID_SIZE);
+    memcpy(&s->core, c->core, c->core_size);
+    return s;
+}
+
+void snapshot_restore(Instance *c, const Snapshot *s)
+{
+    /* what prepare made of the parameters is kept when these are the same */
+    size_t n = (size_t)c->resource.n_reals*sizeof(double);
+
+    c->prepared = c->prepared && memcmp(c->reals, &s->core + 1, n) == 0;
+    c->current = false;
+    memcpy(c->core, &s->core, c->core_size);
+}
+
+void snapshot_free(Snapshot *s)
+{
+    memset(s->magic, 0, sizeof s->magic);
+    free(s);
+}
+
+const char *snapshot_fault(const Instance *c, const Snapshot *s)
+{
+    const Resource *r = &c->resource;
+
+    if (memcmp(s->magic, MAGIC, sizeof MAGIC) != 0)
+        return "it is not a state of an FMU made by mbdfmi";
+    if (s->version != VERSION)
+        return "it has another format";
+    if (memcmp(s->guid, r->guid, GUID_SIZE) != 0)
+        return "it belongs to another FMU";
+    if (s->n_reals != r->n_reals || s->n_state != r->n_state || s->n_u != r->n_u)
+        return "its sizes are not those of this FMU";
+    return NULL;
+}
+
+void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
+{
+    uint32_t crc = crc32_of(&s->core, c->core_size);
+
+    memcpy(bytes, s, snapshot_size(c));
+    memcpy(bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
+}
+
+static bool known_mode(int64_t mode)
+{
+    return mode == INSTANTIATED || mode == INITIALIZATION || mode == STEP_COMPLETE
+           || mode == STEP_FAILED || mode == TERMINATED;
+}
+
+Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size, const char **fault)
+{
+    if (size != snapshot_size(c)) {
+        *fault = "its length is not that of a state of this FMU";
+        return NULL;
+    }
+
+    Snapshot *copy = malloc(size);
+    if (!copy) {
+        *fault = "out of memory";
+        return NULL;
+    }
+    memcpy(copy, bytes, size);
+
+    *fault = snapshot_fault(c, copy);
+    if (!*fault && crc32_of(&copy->core, c->core_size) != copy->crc)
+        *fault = "its checksum is wrong: damaged";
+    if (!*fault && !(known_mode(copy->core.mode) && (copy->core.started == 0 || copy->core.started == 1)))
+        *fault = "it holds impossible values";
+    if (*fault) {
+        free(copy);
+        return NULL;
+    }
+
+    if (!s) return copy;
+    memcpy(s, copy, size);
+    free(copy);
+    return s;
+}

@@ -1,0 +1,107 @@
+"""Kernels ahead of time: numba's entries -> one LLVM module, as text.
+
+Compiling runs in a process of its own, in which numba aims at the generic processor: so the module
+depends neither on this machine's vector units nor on what this process has compiled before.
+"""
+
+import importlib
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import llvmlite
+import numba
+
+ENTRIES = "mbdfmi.kernels.entry:ENTRIES"
+"""Where the table of entries is: name -> (numba dispatcher, signature)."""
+
+PREFIX = "mbdfmi_"
+"""An entry `step` is the C function `mbdfmi_step`."""
+
+
+class CompileError(Exception):
+    """The kernels could not be compiled ahead of time; the text is the compiler's."""
+
+
+def compile_entries(entries: str = ENTRIES) -> str:
+    """LLVM IR (text, no target named) of the entries at "module:table", for every platform alike.
+
+    Raises CompileError with numba's message.
+    """
+    environment = os.environ | {
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+        "PYTHONHASHSEED": "0",
+    }
+    program = f"from {__name__} import print_module; print_module({entries!r})"
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+
+    if done.returncode:
+        raise CompileError(f"the kernels ({entries}) do not compile:\n{done.stderr.strip()}")
+
+    return done.stdout
+
+
+def source_files(entries: str = ENTRIES) -> list[Path]:
+    """Sources that the compiled entries depend on: all modules beside the table's own, and this one."""
+    module = importlib.util.find_spec(entries.split(":")[0])
+
+    return sorted(Path(module.origin).parent.glob("*.py")) + [Path(__file__)]
+
+
+def versions() -> str:
+    """Versions of the compilers."""
+    return f"numba {numba.__version__} llvmlite {llvmlite.__version__}"
+
+
+def module_of(table: dict) -> str:
+    """LLVM IR of a table name -> (dispatcher, signature): one module, entries named `mbdfmi_*`."""
+    from llvmlite import binding
+
+    whole = binding.parse_assembly("")
+
+    for name, (dispatcher, signature) in table.items():
+        if signature not in dispatcher.overloads:
+            dispatcher.compile(signature)
+
+        part = binding.parse_assembly(_without_runtime(dispatcher.inspect_llvm(signature)))
+        part.triple = ""
+        part.data_layout = ""
+        symbol = dispatcher.overloads[signature].fndesc.llvm_func_name
+
+        part.get_function(symbol).name = PREFIX + name
+        whole.link_in(part)
+
+    _hide(whole, {PREFIX + name for name in table})
+    whole.verify()
+    return str(whole)
+
+
+def _without_runtime(ir: str) -> str:
+    """Empties numba's reference counting: arrays made by carray own nothing, so it never runs.
+
+    Its bodies hold an instruction of one processor and call into numba's runtime.
+    """
+    return re.sub(r"^(define [^\n]*@NRT_(?:incref|decref)\([^\n]*\{)\n.*?^\}", r"\1\n  ret void\n}", ir, flags=re.M | re.S)
+
+
+def _hide(module, entries: set[str]) -> None:
+    """Makes every definition internal but the entries, and those invisible outside the library."""
+    for value in [*module.functions, *module.global_variables]:
+        if value.is_declaration:
+            continue
+        if value.name in entries:
+            value.visibility = "hidden"
+        else:
+            value.linkage = "internal"
+
+
+def print_module(entries: str) -> None:
+    """What compile_entries runs in its own process: writes the module to the standard output."""
+    module, table = entries.split(":")
+
+    sys.stdout.write(module_of(getattr(importlib.import_module(module), table)))

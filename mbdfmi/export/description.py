@@ -1,0 +1,169 @@
+"""modelDescription.xml: what a tool reads about an FMU."""
+
+import os
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import fmpy
+from lxml import etree
+
+from ..units import UNITS
+
+LOG_CATEGORIES = {
+    "logEvents": "Life of the instance: initialisation, reset, termination",
+    "logStatusWarning": "Messages of calls that return fmi2Warning",
+    "logStatusDiscard": "Messages of calls that return fmi2Discard",
+    "logStatusError": "Messages of calls that return fmi2Error (always sent)",
+    "logStatusFatal": "Messages of calls that return fmi2Fatal (always sent)",
+    "logAll": "All messages",
+}
+
+STOP_TIME = 10.0  # s, only a proposal to the tool
+STEP_SIZE = 0.01  # s, likewise
+
+
+class DescriptionError(Exception):
+    """The description does not keep to the FMI schema; the text lists where."""
+
+
+def description(model) -> bytes:
+    """modelDescription.xml of a model, UTF-8, checked against the FMI 2.0 schema.
+
+    Raises DescriptionError when it is not valid.
+    """
+    root = etree.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=model.name,
+        guid=model.guid,
+        description=model.description or model.title or model.name,
+        generationTool=f"mbdfmi {tool_version()}",
+        generationDateAndTime=generation_time().strftime("%Y-%m-%dT%H:%M:%SZ"),
+        variableNamingConvention="structured",
+        numberOfEventIndicators="0",
+    )
+
+    _co_simulation(root, model)
+    _units(root, model)
+    _log_categories(root)
+    etree.SubElement(
+        root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
+    )
+    _variables(root, model)
+    _structure(root, model)
+
+    schema = _schema()
+    if not schema.validate(root):
+        faults = "\n".join(f"  line {error.line}: {error.message}" for error in schema.error_log)
+        raise DescriptionError(f"modelDescription.xml of '{model.name}' is not valid:\n{faults}")
+
+    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def tool_version() -> str:
+    """Version of mbdfmi."""
+    try:
+        return version("mbdfmi")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+def generation_time() -> datetime:
+    """Now, or the time (s since 1970) that the environment variable SOURCE_DATE_EPOCH fixes."""
+    fixed = os.environ.get("SOURCE_DATE_EPOCH")
+
+    return datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
+
+
+@cache
+def _schema() -> etree.XMLSchema:
+    """The FMI 2.0 schema, which fmpy carries."""
+    folder = Path(fmpy.__file__).parent / "schema" / "fmi2"
+
+    return etree.XMLSchema(file=str(folder / "fmi2ModelDescription.xsd"))
+
+
+def _co_simulation(root, model) -> None:
+    etree.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.identifier,
+        needsExecutionTool="false",
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        maxOutputDerivativeOrder="0",
+        canRunAsynchronuously="false",
+        canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        providesDirectionalDerivative="false",
+    )
+
+
+def _units(root, model) -> None:
+    """Definitions of the units that occur."""
+    used = {v.unit for v in model.variables if v.unit}
+    if not used:
+        return
+
+    definitions = etree.SubElement(root, "UnitDefinitions")
+    for name in sorted(used):
+        unit = UNITS[name]
+        exponents = {"kg": unit.kg, "m": unit.m, "s": unit.s, "rad": unit.rad}
+        element = etree.SubElement(definitions, "Unit", name=name)
+
+        etree.SubElement(element, "BaseUnit", {base: str(power) for base, power in exponents.items() if power})
+        for display, factor in unit.display:
+            etree.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
+
+
+def _log_categories(root) -> None:
+    categories = etree.SubElement(root, "LogCategories")
+
+    for name, text in LOG_CATEGORIES.items():
+        etree.SubElement(categories, "Category", name=name, description=text)
+
+
+_INITIAL = {"output": "calculated", "parameter": "exact"}  # an input has none
+
+
+def _variables(root, model) -> None:
+    """The variables; a value reference is the position in the model's list."""
+    variables = etree.SubElement(root, "ModelVariables")
+
+    for reference, variable in enumerate(model.variables):
+        element = etree.SubElement(
+            variables,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(reference),
+            description=variable.description,
+            causality=variable.causality,
+            variability=variable.variability,
+        )
+        if variable.causality in _INITIAL:
+            element.set("initial", _INITIAL[variable.causality])
+
+        real = etree.SubElement(element, "Real")
+        if variable.unit:
+            real.set("unit", variable.unit)
+        if variable.start is not None:
+            real.set("start", repr(float(variable.start)))
+
+
+def _structure(root, model) -> None:
+    """Which outputs there are and what they depend on; indices count from 1."""
+    structure = etree.SubElement(root, "ModelStructure")
+    outputs = [(i, v) for i, v in enumerate(model.variables, 1) if v.causality == "output"]
+
+    for section, dependencies in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
+        if not outputs:
+            break
+
+        element = etree.SubElement(structure, section)
+        for index, variable in outputs:
+            known = sorted(reference + 1 for reference in getattr(variable, dependencies))
+            etree.SubElement(element, "Unknown", index=str(index), dependencies=" ".join(map(str, known)))

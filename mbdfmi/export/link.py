@@ -1,0 +1,134 @@
+"""The shared library of an FMU: the C wrapper and the compiled kernels, linked by zig for any platform.
+
+The library is the same for every scene. It is built once per version and platform and kept in the
+cache folder under a hash of all that it is made of.
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import NamedTuple
+
+import fmpy
+
+from ..kernels.language import cache_directory
+from . import aot
+
+
+class Platform(NamedTuple):
+    """What zig calls a platform, and where the library of an FMU for it lies."""
+
+    target: str
+    folders: tuple[str, ...]  # below binaries/
+    suffix: str
+
+
+PLATFORMS: dict[str, Platform] = {
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), ".so"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), ".so"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), ".dll"),
+    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib"),
+    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin",), ".dylib"),
+}
+"""Platforms that a library can be linked for, on any of them."""
+
+FLAGS = (
+    "-shared", "-std=c99", "-O2", "-s", "-fPIC", "-fvisibility=hidden", "-fno-sanitize=all", "-ffp-contract=off",
+    "-Wall", "-Wextra", "-Wno-override-module",
+)  # fmt: skip
+
+
+class LinkError(Exception):
+    """The library could not be linked; the text is the compiler's."""
+
+
+def library(
+    platform: str, entries: str = aot.ENTRIES, progress: Callable[[str], None] = lambda text: None
+) -> Path:
+    """The FMU library for a platform (a key of PLATFORMS): from the cache, or built into it.
+
+    `progress` is told in a few words when something takes long. Raises aot.CompileError, LinkError,
+    and ValueError for a platform that is not known.
+    """
+    if platform not in PLATFORMS:
+        raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
+
+    folder = cache_directory() / "fmu" / _key(entries)
+    result = folder / (platform + PLATFORMS[platform].suffix)
+
+    if not result.exists():
+        kernels = folder / "kernels.ll"
+
+        if not kernels.exists():
+            progress("compiling the kernels (once per version)")
+            _keep(kernels, aot.compile_entries(entries).encode())
+
+        progress(f"linking for {platform} (once per version)")
+        _keep(result, _link(PLATFORMS[platform], kernels))
+
+    return result
+
+
+def wrapper_folder() -> Path:
+    """The folder of the C wrapper: inside an installed package, beside the package in the repository."""
+    package = Path(__file__).parents[1]
+    installed = package / "fmu_src"
+
+    return installed if installed.is_dir() else package.parent / "fmu_src"
+
+
+def _headers() -> Path:
+    """The folder of the FMI headers, which fmpy carries."""
+    return Path(fmpy.__file__).parent / "c-code"
+
+
+def _key(entries: str) -> str:
+    """Hash (hex) of all that a library is made of."""
+    files = aot.source_files(entries) + sorted(wrapper_folder().glob("*.[ch]")) + [Path(__file__)]
+    files += sorted(_headers().glob("fmi2*.h"))
+
+    digest = hashlib.sha256(f"{entries} {aot.versions()} ziglang {version('ziglang')}".encode())
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+
+    return digest.hexdigest()[:20]
+
+
+def _keep(path: Path, data: bytes) -> None:
+    """Writes a file whole or not at all; two processes may do it at once."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent)
+
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _link(platform: Platform, kernels: Path) -> bytes:
+    """The bytes of the library for a platform, from the wrapper and the kernels (LLVM IR)."""
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / f"fmu{platform.suffix}"
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
+        command += [f"-I{_headers()}", *map(str, sorted(wrapper_folder().glob("*.c"))), str(kernels)]
+        command += ["-lm", "-o", str(output)]
+
+        # zig keeps what it builds of a platform's C library
+        environment = os.environ | {
+            "ZIG_GLOBAL_CACHE_DIR": str(cache_directory() / "zig"),
+            "ZIG_LOCAL_CACHE_DIR": str(Path(folder) / "zig"),
+        }
+        done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True)
+
+        if done.returncode or not output.exists():
+            raise LinkError(f"linking for {platform.target} failed:\n{done.stderr.strip()}")
+
+        return output.read_bytes()

@@ -1,0 +1,89 @@
+"""The FMU: an archive of description, library, resources, documentation and icon."""
+
+import os
+import platform as host
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from ..kernels.status import MESSAGES
+from . import aot
+from .description import description, generation_time
+from .documentation import documentation
+from .link import PLATFORMS, library
+from .resource import NAME, resource
+
+
+def export_fmu(
+    model,
+    path: str | os.PathLike,
+    platforms: Iterable[str] | None = None,
+    *,
+    scene_file: str | os.PathLike | None = None,
+    entries: str = aot.ENTRIES,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Path:
+    """Write a model as an FMU (FMI 2.0, co-simulation) and return its path.
+
+    platforms   keys of link.PLATFORMS; default: the machine's own
+    scene_file  the file that the model was read from, to go with the FMU in resources/
+    entries     where the kernels are, "module:table"
+    progress    is told in a few words when something takes long
+
+    The file is written whole or not at all. With SOURCE_DATE_EPOCH set, the same model gives the same
+    bytes. Raises OSError, ValueError (unknown platform), aot.CompileError, link.LinkError and
+    description.DescriptionError.
+    """
+    path = Path(path)
+    chosen = list(dict.fromkeys(platforms or [host_platform()]))
+
+    files = {
+        "modelDescription.xml": description(model),
+        "model.png": (Path(__file__).parent / "model.png").read_bytes(),
+        "documentation/index.html": documentation(model, chosen),
+        f"resources/{NAME}": resource(model, MESSAGES),
+    }
+    if scene_file:
+        files[f"resources/{Path(scene_file).name}"] = Path(scene_file).read_bytes()
+
+    for name in chosen:
+        data = library(name, entries, progress).read_bytes()
+
+        for folder in PLATFORMS[name].folders:
+            files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
+
+    _write_archive(path, files)
+    return path
+
+
+def host_platform() -> str:
+    """The key of link.PLATFORMS for this machine; ValueError when it has none."""
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(host.machine().lower(), host.machine().lower())
+    system = {"darwin": "macos"}.get(host.system().lower(), host.system().lower())
+
+    if f"{machine}-{system}" not in PLATFORMS:
+        raise ValueError(f"no FMU can be made for {machine}-{system} yet: known are {', '.join(PLATFORMS)}")
+
+    return f"{machine}-{system}"
+
+
+def _write_archive(path: Path, files: dict[str, bytes]) -> None:
+    """Writes a zip file whole or not at all, its bytes depending on nothing but the contents and the
+    generation time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    time = max(generation_time().timetuple()[:6], (1980, 1, 1, 0, 0, 0))  # zip knows no earlier
+
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, data in files.items():
+                entry = zipfile.ZipInfo(name, time)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.external_attr = 0o644 << 16
+                archive.writestr(entry, data)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise

@@ -1,0 +1,44 @@
+"""What the library of an FMU reads when it is instantiated: resources/model.bin."""
+
+import struct
+import zlib
+
+import numpy as np
+
+NAME = "model.bin"
+
+_MAGIC = b"mbdfmi\0\1"
+_VERSION = 1
+
+
+def resource(model, messages: dict[int, str]) -> bytes:
+    """The resource file of a model: sizes, arrays, names; `messages` are the texts of status codes.
+
+    The layout (little endian) is described in fmu_src/resource.h. Raises ValueError when the model
+    contradicts itself.
+    """
+    parameters = [v for v in model.variables if v.causality == "parameter"]
+    causalities = [v.causality for v in model.variables]
+
+    if causalities != ["input"] * model.n_u + ["output"] * model.n_y + ["parameter"] * len(parameters):
+        raise ValueError("the variables must be the inputs, then the outputs, then the parameters")
+
+    names = [v.name for v in model.variables]
+    strings = [*names, *model.places]
+    for code, text in messages.items():
+        strings += [str(code), text]
+
+    counts = [
+        len(model.ints), len(model.reals), model.n_state, model.n_work, model.n_u, model.n_y,
+        len(parameters), len(model.places), len(messages),
+    ]  # fmt: skip
+
+    body = struct.pack("<9q", *counts)
+    body += model.guid.encode().ljust(64, b"\0")
+    body += np.asarray(model.ints, dtype="<i8").tobytes()
+    body += np.asarray(model.reals, dtype="<f8").tobytes()
+    body += np.array([v.index for v in parameters], dtype="<i8").tobytes()
+    body += np.array([v.variability == "tunable" for v in parameters], dtype="<i8").tobytes()
+    body += b"".join(text.encode() + b"\0" for text in strings)
+
+    return _MAGIC + struct.pack("<IIQ", _VERSION, zlib.crc32(body), len(body)) + body
