@@ -1,0 +1,103 @@
+"""What a run gives: columns by variable name, to a CSV file or a picture."""
+
+import csv
+from collections import defaultdict
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from .files import replacing
+
+
+class Results(Mapping):
+    """Columns (numpy arrays, one value a row) by variable name; "time" (s) comes first.
+
+    units : unit of each column by name, None for those without.
+    """
+
+    def __init__(self, columns: dict[str, np.ndarray], units: dict[str, str | None], title: str = ""):
+        self._columns = columns
+        self.units = units
+        self.title = title
+
+    def __getitem__(self, name):
+        """A column; an array variable's name without index gives all its components, [row, component]."""
+        if name in self._columns:
+            return self._columns[name]
+
+        parts = [column for key, column in self._columns.items() if key.startswith(f"{name}[")]
+
+        if parts:
+            return np.column_stack(parts)
+
+        raise KeyError(f"no column {name!r}; there are {', '.join(map(repr, self._columns))}")
+
+    def __iter__(self):
+        return iter(self._columns)
+
+    def __len__(self):
+        return len(self._columns)
+
+    def __repr__(self):
+        return f"<Results of {self.title!r}: {len(self['time'])} rows of {', '.join(self)}>"
+
+    def to_csv(self, path) -> Path:
+        """Write all columns, every digit kept, with a row of names "variable [unit]" on top."""
+        names = [f"{name} [{self.units[name]}]" if self.units.get(name) else name for name in self]
+
+        with replacing(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(names)
+            writer.writerows(zip(*(column.tolist() for column in self._columns.values())))
+
+        return Path(path)
+
+    def plot(self, path) -> Path:
+        """Write a picture: one panel for each variable, components of an array together, time below.
+
+        The file's ending chooses the format. Raises ImportError without matplotlib (extra `plot`).
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ImportError as error:
+            raise ImportError("plots need matplotlib: pip install 'mbdfmi[plot]'") from error
+
+        panels = defaultdict(list)
+
+        for name in self:
+            if name != "time":
+                panels[name.partition("[")[0]].append(name)
+
+        n = max(1, len(panels))
+        n_column = 1 if n <= 4 else 2
+        n_row = -(-n // n_column)
+        figure = Figure(figsize=(7 * n_column, 1.2 + 1.9 * n_row), layout="constrained")
+        axes = figure.subplots(n_row, n_column, sharex=True, squeeze=False)
+
+        for panel, (name, members) in zip(axes.T.flat, panels.items()):
+            for member in members:
+                panel.plot(self["time"], self[member], linewidth=1.2, label=member.removeprefix(name))
+
+            unit = self.units.get(members[0])
+            panel.set_title(f"{name} [{unit}]" if unit else name, loc="left", fontsize="medium")
+            panel.grid(alpha=0.3)
+            panel.ticklabel_format(axis="y", useOffset=False)
+
+            if len(members) > 1:
+                panel.legend(loc="upper right", ncols=len(members), fontsize="small")
+
+        for panel in list(axes.T.flat)[len(panels) :]:
+            panel.set_axis_off()
+
+        for column in range(n_column):
+            last = min(n - column * n_row, n_row) - 1
+            axes[last, column].set_xlabel("time [s]")
+            axes[last, column].tick_params(labelbottom=True)
+
+        figure.suptitle(self.title)
+
+        with replacing(path) as temporary:
+            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".") or "png")
+
+        return Path(path)

@@ -1,0 +1,175 @@
+"""In-process runs: the same kernels as in an FMU, called as an FMU's master would."""
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+
+import numpy as np
+
+from .kernels import entry
+from .kernels.status import MESSAGES, OK
+from .kernels.views import DataView, ModelView
+from .model import Model
+from .results import Results
+
+
+class SimulationError(Exception):
+    """A run stopped; the message says why and when.
+
+    time : s, up to which the motion was found.
+    """
+
+    def __init__(self, message: str, time: float):
+        super().__init__(message)
+        self.time = time
+
+
+class Instance:
+    """One run of a model, to be driven step by step.
+
+    m, d : the kernels' views of it; y : outputs (n_y,) after `outputs`.
+    """
+
+    def __init__(self, model: Model, parameters: Mapping[str, float] | None = None, start_time: float = 0.0):
+        self.model = model
+        self.reals = model.reals.copy()
+        self.u = np.zeros(3 * max(1, model.n_u))
+        self.y = np.zeros(model.n_y)
+        self.m = ModelView(ints=model.ints, reals=self.reals)
+        state, work = np.zeros(model.n_state), np.zeros(model.n_work)
+        self.d = DataView(ints=model.ints, state=state, work=work, u=self.u)
+        by_name = {v.name: v for v in model.of_causality("parameter")}
+
+        for name, value in (parameters or {}).items():
+            self.reals[_known(name, by_name, "parameter").index] = value
+
+        self._check(entry.prepare_model(self.m, self.d))
+        self._check(entry.initialise(self.m, self.d, start_time))
+
+    @property
+    def time(self) -> float:
+        """s, reached so far."""
+        return float(self.d.time[0])
+
+    def step(self, H: float):
+        """Advance by H (s) with the inputs in `u`. Raises SimulationError."""
+        self._check(entry.step(self.m, self.d, H))
+
+    def outputs(self) -> np.ndarray:
+        """Outputs (n_y,) now, a view that the next call overwrites. Raises SimulationError."""
+        self._check(entry.compute_outputs(self.m, self.d, self.y))
+        return self.y
+
+    def _check(self, status):
+        if status != OK:
+            raise SimulationError(f"{explain(self.model, status)} (time {self.time:.9g} s)", self.time)
+
+
+def explain(model: Model, status: int) -> str:
+    """A kernel's status in words."""
+    code, place = status % 256, status // 256
+    text = MESSAGES[code]
+    return text % model.places[place] if "%s" in text else text
+
+
+def simulate(
+    model: Model,
+    until: float,
+    step: float | None = None,
+    inputs: Mapping[str, float | np.ndarray | Callable[[float], float]] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    start_time: float = 0.0,
+    progress: Callable[[float], None] | None = None,
+) -> Results:
+    """Run a model in process from start_time to `until` (s).
+
+    step : communication step (s), by default a 500th of the run. Inputs are held over it and results kept at its ends.
+    inputs : by variable name: a number, a function of time (s), or an array of one value for each communication
+        point. The name of an array variable without index takes 3 of these, or a function that returns 3.
+    parameters : values other than the scene's, by variable name.
+    progress : called with the time reached (s) after each communication step.
+
+    Returns all outputs and inputs by name. Raises SimulationError when the motion cannot go on, KeyError for unknown
+    names, ValueError for times or arrays that do not fit.
+    """
+    duration = until - start_time
+
+    if not 0.0 < duration < np.inf:
+        raise ValueError(f"the run must end after it starts at {start_time} s; found until = {until}")
+
+    step = duration / 500 if step is None else step
+
+    if not 0.0 < step < np.inf:
+        raise ValueError(f"the communication step must be positive; found {step}")
+
+    n = max(1, round(duration / step))
+
+    if abs(n * step - duration) > 1e-6 * step:
+        n = int(np.ceil(duration / step))
+
+    steps = np.full(n, step)
+    steps[-1] = duration - (n - 1) * step
+    times = start_time + np.append(np.arange(n) * step, duration)
+    instance = Instance(model, parameters, start_time)
+    signals = _signals(model, inputs or {}, times)
+    columns = np.empty((n + 1, model.n_u + model.n_y))
+
+    for k in range(n + 1):
+        for position, signal in signals:
+            instance.u[position] = signal(k)
+
+        columns[k, : model.n_u] = instance.u[: model.n_u]
+        columns[k, model.n_u :] = instance.outputs()
+
+        if k < n:
+            instance.step(steps[k])
+
+            if progress:
+                progress(instance.time)
+
+    shown = [v for v in model.variables if v.causality != "parameter"]
+    units = {"time": "s"} | {v.name: v.unit for v in shown}
+    by_name = {"time": times} | {v.name: columns[:, k] for k, v in enumerate(shown)}
+    return Results(by_name, units, model.title)
+
+
+def _known(name, by_name, what):
+    if name in by_name:
+        return by_name[name]
+
+    close = get_close_matches(name, by_name, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else f"; there are {', '.join(by_name) or 'none'}"
+    raise KeyError(f"no {what} {name!r}{hint}")
+
+
+def _signals(model, inputs, times):
+    """(position in u, function of the communication point's number) for each input given."""
+    by_name = {v.name: v for v in model.of_causality("input")}
+    signals = []
+
+    for name, given in inputs.items():
+        parts = [v.index for key, v in by_name.items() if key.startswith(f"{name}[")]
+
+        if name in by_name or not parts:
+            parts = [_known(name, by_name, "input").index]
+
+        for component, position in enumerate(parts):
+            signals.append((position, _signal(name, given, component, len(parts), times)))
+
+    return signals
+
+
+def _signal(name, given, component, size, times):
+    if callable(given):
+        return lambda k: np.atleast_1d(given(times[k]))[component]
+
+    values = np.asarray(given, float)
+
+    if size > 1 and values.shape in ((size,), (len(times), size)):
+        values = values[..., component]
+    elif size > 1 or values.shape not in ((), times.shape):
+        raise ValueError(
+            f"input {name!r}: needs {size} number(s), or as many for each of the {len(times)} communication "
+            f"points; found shape {values.shape}"
+        )
+
+    return lambda k: values if values.ndim == 0 else values[k]

@@ -1,0 +1,46 @@
+"""The variables that an FMU, or a result table, shows: names, units, meanings, dependencies."""
+
+from dataclasses import dataclass
+
+from .scene import fmi_name
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable. Its FMI value reference is its position in `Model.variables`.
+
+    name : structured FMI name, indices 1-based.
+    causality : "input", "output" or "parameter".
+    variability : "continuous"; parameters: "tunable" at any time, or "fixed" after initialisation.
+    start : value at the start; None for outputs.
+    unit : key of `units.UNITS`, None without unit.
+    index : position in the buffer `u`, `y` or `reals`.
+    depends : of an output: value references of the inputs that act on it at the same instant.
+    initial_depends : of an output: value references of the inputs and parameters that act on it at the start.
+    """
+
+    name: str
+    causality: str
+    variability: str
+    start: float | None
+    unit: str | None
+    description: str
+    index: int
+    depends: tuple[int, ...] = ()
+    initial_depends: tuple[int, ...] = ()
+
+
+def dotted(*names: str) -> str:
+    """A structured name from free-text parts: each an identifier or quoted."""
+    return ".".join(fmi_name(name) for name in names)
+
+
+def subscripts(shape: tuple[int, ...]) -> list[str]:
+    """Names' endings for an array, by rows: [""], ["[1]", ...] or ["[1,1]", ...]."""
+    if not shape:
+        return [""]
+
+    if len(shape) == 1:
+        return [f"[{k + 1}]" for k in range(shape[0])]
+
+    return [f"[{j + 1},{k + 1}]" for j in range(shape[0]) for k in range(shape[1])]
