@@ -85,14 +85,8 @@ class GroundMarker(Placed):
     """A frame that stands still; its position and orientation are inertial."""
 
 
-class Marker(Placed, Observed):
+class Marker(Observed, Placed):
     """A frame on a body, its position and orientation in the body's own frame."""
-
-
-class Ground(Part):
-    """The inertial frame and the markers on it, by name."""
-
-    marker: dict[Name, GroundMarker] = {}
 
 
 def _as_list(value):
@@ -103,15 +97,14 @@ def _as_list(value):
     return None if value is None else [value]
 
 
-class Body(Observed):
-    """A rigid body: mass, com and inertia, or solids; its markers; its own frame's in and output.
+class Massive(Part):
+    """Mass, centre of mass and inertia, or solids.
 
     mass : kg.
     com : centre of mass (3,) in m in the body's own frame.
     inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1].
     inertia_axes : orientation of the axes that the inertia is given in; the body's when left out.
     solid : one solid or a list of them.
-    marker : markers by name.
     """
 
     needed = (("mass", "solid"),)
@@ -121,7 +114,6 @@ class Body(Observed):
     inertia: Inertia | None = None
     inertia_axes: InertiaAxes | None = None
     solid: Annotated[list[Solid] | None, BeforeValidator(_as_list)] = None
-    marker: dict[Name, Marker] = {}
 
     @model_validator(mode="after")
     def _check_mass(self):
@@ -139,3 +131,15 @@ class Body(Observed):
 
         A = (self.inertia_axes or InertiaAxes()).rotation().as_matrix()
         return self.mass, np.array(self.com), A @ inertia_matrix(self.inertia) @ A.T
+
+
+class Body(Observed, Massive):
+    """A rigid body with its own frame, its markers by name, and what goes in and out."""
+
+    marker: dict[Name, Marker] = {}
+
+
+class Ground(Part):
+    """The inertial frame and the markers on it, by name."""
+
+    marker: dict[Name, GroundMarker] = {}

@@ -4,13 +4,18 @@ References are checked on the data as written, any part of which may be wrong in
 one reading finds all that is wrong. What has not the right form here has its message from the schema.
 """
 
+from pydantic import BaseModel
+
 from .errors import NAMED_TABLES, Problem, did_you_mean, listed, place_text, quoted
 from .names import fmi_name
 
 
 def cross_references(data):
     """The problems of names and references in the data (a dict) of a scene."""
-    bodies = _entries(data, "body")
+    if not isinstance(data, dict):
+        return []
+
+    bodies = {name: body for name, body in _entries(data, "body").items() if _is_table(body)}
     ground = _get(data, "ground")
 
     problems = []
@@ -79,6 +84,10 @@ def _variables_of(path, prefix, entry):
 
 def _get(holder, key):
     return holder.get(key) if isinstance(holder, dict) else getattr(holder, key, None)
+
+
+def _is_table(value):
+    return isinstance(value, (dict, BaseModel))
 
 
 def _entries(holder, key):

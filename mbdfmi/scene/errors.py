@@ -72,12 +72,14 @@ def place_text(path):
 
 def key_text(key):
     """A key as TOML writes it: bare where that is allowed, else quoted."""
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", str(key)) else quoted(str(key))
 
 
 def quoted(text):
     """A string as TOML writes it, on one line."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    text = json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+    # halves of surrogate pairs, which Python's strings may hold, cannot be printed
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def show(value, limit=60):
@@ -99,6 +101,9 @@ def show(value, limit=60):
             text = "[" + ", ".join(show(item) for item in value) + "]"
             if len(text) <= limit:
                 return text
+        if all(isinstance(item, (list, tuple)) for item in value):
+            rows = sorted({len(item) for item in value})
+            return f"{len(value)} rows of {' and '.join(map(str, rows[:3]))}"
         return f"a list of {len(value)}"
 
     # int first: Python refuses to print very long ones, and they do not fit a float
@@ -123,5 +128,14 @@ def did_you_mean(word, options):
     """` Did you mean "x"?` for the option nearest to the word, or nothing when none is near."""
     # compared in lower case, answered as written
     spelt = {option.lower(): option for option in options}
-    near = get_close_matches(str(word).lower(), list(spelt), n=1, cutoff=0.6)
-    return f" Did you mean {quoted(spelt[near[0]])}?" if near else ""
+    word = str(word).lower()
+
+    # `mass_kg` is meant to be `mass`, `zyx` one of `zyx_deg` and `zyx_rad`, `rk45` `rk54`; only
+    # after these what is nearest by letters
+    near = (
+        [option for option in spelt if word.startswith(option + "_")]
+        or [option for option in spelt if option.startswith(word + "_")]
+        or [option for option in spelt if sorted(option) == sorted(word)]
+        or get_close_matches(word, list(spelt), n=1, cutoff=0.6)
+    )
+    return f" Did you mean {listed([spelt[word] for word in near], 'or')}?" if near else ""

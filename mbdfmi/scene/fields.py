@@ -10,8 +10,9 @@ from pydantic import model_validator
 from .errors import SceneError, did_you_mean, listed, show
 from .messages import TAG, problems_of
 
-# Larger magnitudes are mistakes, and their products would overflow.
+# Magnitudes beyond are mistakes, and their products would overflow or vanish.
 LARGEST = 1e30
+SMALLEST = 1 / LARGEST
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 AXES |= {"-" + name: tuple(-c for c in axis) for name, axis in AXES.items()}
@@ -33,8 +34,8 @@ def number(value):
 
 
 def _positive(value):
-    if not number(value) > 0:
-        raise ValueError(f"must be greater than 0, found {show(value)}")
+    if number(value) < SMALLEST:
+        raise ValueError(f"must be greater than 0, at least 1e-30; found {show(value)}")
     return number(value)
 
 
@@ -58,7 +59,7 @@ def array(value, *shapes, what):
 
     for shape in shapes:
         if _has_shape(value, shape):
-            return _floats(value)
+            return _floats(value, "")
 
     raise ValueError(f"needs {what}, found {show(value)}")
 
@@ -71,10 +72,13 @@ def _has_shape(value, shape):
     return all(_has_shape(item, shape[1:]) for item in value)
 
 
-def _floats(value):
+def _floats(value, place):
     if isinstance(value, (list, tuple)):
-        return tuple(_floats(item) for item in value)
-    return number(value)
+        return tuple(_floats(item, f"{place}[{i}]") for i, item in enumerate(value, 1))
+    try:
+        return number(value)
+    except ValueError as error:
+        raise ValueError(f"{place} {error}") from None
 
 
 def Array(*shapes, what):
@@ -117,7 +121,7 @@ def unit_vector(axis):
 
 def _choice(value, options):
     if not isinstance(value, str):
-        raise ValueError(f"needs one of {listed(options, 'or')}, found {show(value)}")
+        raise ValueError(f"needs {listed(options, 'or')}, found {show(value)}")
     if value not in options:
         raise ValueError(
             f"no {show(value)} here; there is {listed(options)}." + did_you_mean(value, options)
@@ -176,6 +180,11 @@ class Part(BaseModel, metaclass=_PartType):
     exclusive: ClassVar[tuple] = ()
     needed: ClassVar[tuple] = ()
 
+    @classmethod
+    def keys(cls):
+        """The keys that the table may have, the one that tells its kind first."""
+        return sorted(cls.model_fields, key=lambda key: key != cls.kind)
+
     @model_validator(mode="after")
     def _check_alternatives(self):
         for keys in self.exclusive + self.needed:
@@ -183,7 +192,7 @@ class Part(BaseModel, metaclass=_PartType):
             if len(given) > 1:
                 raise ValueError(f"{listed(given)} exclude each other; keep one of them")
             if not given and keys in self.needed:
-                raise ValueError(f"needs one of {listed(keys, 'or')}")
+                raise ValueError(f"needs {listed(keys, 'or')}")
         return self
 
 
@@ -205,7 +214,7 @@ def by_key(what, *classes):
         if len(given) > 1:
             raise ValueError(f"{what} is of one kind, found {listed(given)}; keep one of them")
         if not given:
-            near = "".join(did_you_mean(key, kinds) for key in value)
+            near = next(filter(None, (did_you_mean(key, kinds) for key in value)), "")
             found = f"found {listed(value)}" if value else "found an empty table"
             raise ValueError(f"{what} needs one of {listed(kinds, 'or')}; {found}.{near}")
         return value

@@ -2,7 +2,7 @@
 
 from typing import Annotated, get_args, get_origin
 
-from .errors import Problem, did_you_mean, key_text, listed, show
+from .errors import NAMED_TABLES, Problem, did_you_mean, key_text, listed, show
 
 # Begins those steps of a pydantic location that name a member of a union.
 TAG = "\0"
@@ -12,8 +12,17 @@ def problems_of(error, cls, data):
     """The problems in a pydantic ValidationError, raised when `data` was to become a `cls`."""
     problems = []
     for found in error.errors(include_url=False):
-        path = _path(found["loc"], data)
-        problems.append(Problem(path, _text(found, cls)))
+        # a default that waits on a value which has its own message
+        if found["type"] == "default_factory_not_called":
+            continue
+
+        path, value = _path(found["loc"], data), found["input"]
+        text = _text(found, cls)
+        if len(path) == 2 == len(found["loc"]) and path[0] in NAMED_TABLES:
+            if not isinstance(value, dict):
+                # a key right below [body]
+                text = f"needs a table of its own, [{path[0]}.NAME]; found {show(value)}"
+        problems.append(Problem(path, text))
     return problems
 
 
@@ -24,7 +33,7 @@ def _path(location, data):
         if isinstance(step, str) and (step.startswith(TAG) or step == "[key]"):
             continue
         # a single solid may stand without the list
-        if isinstance(step, int) and isinstance(data, dict):
+        if isinstance(step, int) and not isinstance(data, (list, tuple)):
             continue
 
         path.append(step)
@@ -44,14 +53,14 @@ def _text(found, cls):
         return _unknown_key(_part_at(cls, location[:-1]), str(location[-1]), value)
     if kind == "missing":
         field = _part_at(cls, location[:-1]).model_fields[location[-1]]
-        return "is missing" + (f"; it is the {field.description}" if field.description else "")
+        return f"is missing ({field.description})" if field.description else "is missing"
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"needs a table, found {show(value)}"
     return f"{found['msg']}, found {show(value)}"
 
 
 def _unknown_key(part, key, value):
-    keys = list(part.model_fields)
+    keys = part.keys()
     text = f"unknown key; there is {listed(keys)}." + did_you_mean(key, keys)
     if "marker" in keys and isinstance(value, dict):
         text += f" A marker is written marker.{key_text(key)} = {{ ... }}."

@@ -59,9 +59,11 @@ def _title(value):
 
 
 def _name(value):
-    name = value.strip() if isinstance(value, str) else ""
+    if not isinstance(value, str):
+        raise ValueError(f"a name is a text, found {show(value)}")
+    name = value.strip()
     if not name:
-        raise ValueError(f"a name must not be empty, found {show(value)}")
+        raise ValueError("a name must not be empty")
     if "." in name:
         raise ValueError(
             f"a name has no dots, since dots join names; write {quoted(name.replace('.', '_'))}"

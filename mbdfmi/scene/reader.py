@@ -4,7 +4,7 @@ import os
 import re
 import tomllib
 
-from .errors import Problem, SceneError, quoted
+from .errors import Problem, SceneError, show
 from .schema import Scene
 
 
@@ -51,12 +51,34 @@ def _read_toml(path):
         _fail(_syntax_text(str(error), text))
 
 
-def _syntax_text(message, text):
-    """What tomllib says, with the line first and shown."""
-    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", message, re.DOTALL)
-    if not found:
-        where = " (the file ends too early)" if "end of document" in message else ""
-        return f"not valid TOML: {message}{where}"
+# what tomllib's messages mostly come from
+HINTS = {
+    "Invalid value": "a text stands in quotes, a number as 0.5 without a unit",
+    "Expected newline": "a number stands as 0.5 without a unit, a comment after #",
+    "Expected ']'": 'a name with spaces stands in quotes, as in [body."blade 1"]',
+    "Cannot declare": "write each table once",
+    "Cannot overwrite": "write each key once",
+    "Invalid initial character for a key": (
+        "an inline table { ... } stands on one line, without a comma at its end"
+    ),
+    "Invalid statement": "a line is [table] or key = value; other letters than a-z want quotes",
+    "Unclosed array": "a list is closed by ], its items are parted by commas",
+}
 
-    what, line, column = found[1], int(found[2]), int(found[3])
-    return f"line {line}, column {column}: not valid TOML: {what}"
+
+def _syntax_text(message, text):
+    """What tomllib says, with the place first, the line shown, and a hint."""
+    found = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
+    if not found:
+        return f"not valid TOML: {message}"
+
+    lines = text.rstrip().split("\n")
+    line = int(found[2] or len(lines))
+    column = f", column {found[3]}" if found[3] else ""
+    # tables as the file has them, not as tuples
+    what = re.sub(
+        r"\(('.*?'),?\)", lambda m: "[" + ".".join(re.findall("'(.*?)'", m[1])) + "]", found[1]
+    )
+    hint = next(("; " + hint for start, hint in HINTS.items() if what.startswith(start)), "")
+
+    return f"line {line}{column}: not valid TOML: {what} in {show(lines[line - 1].strip())}{hint}"

@@ -42,6 +42,17 @@ class Solver(Part):
         return self
 
 
+def _order(path, data):
+    """Where a path is in the data, to sort by: the position of each of its keys among its kin."""
+    order = []
+    for key in path:
+        if not isinstance(data, dict) or key not in data:
+            break
+        order.append(list(data).index(key))
+        data = data[key]
+    return order
+
+
 class Scene(Part):
     """A multibody scene.
 
@@ -83,7 +94,7 @@ class Scene(Part):
         if scene:
             problems += clashes(scene)
         if problems:
-            raise SceneError(problems)
+            raise SceneError(sorted(problems, key=lambda problem: _order(problem.path, data)))
         return scene
 
     def marker_pose(self, end):

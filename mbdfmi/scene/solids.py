@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, field_validator
 
 from .errors import show
-from .fields import Array, Axis, Part, NotNegative, Positive, by_key, unit_vector
+from .fields import SMALLEST, Array, Axis, NotNegative, Part, Positive, by_key, unit_vector
 from .orientation import Placed
 
 
@@ -45,8 +45,8 @@ class Sphere(Shape):
 
 
 def _lengths(size):
-    if min(size) <= 0:
-        raise ValueError(f"lengths must be greater than 0, found {show(size)}")
+    if min(size) < SMALLEST:
+        raise ValueError(f"lengths must be greater than 0, at least 1e-30; found {show(size)}")
     return size
 
 
@@ -100,7 +100,9 @@ class Tube(Shape):
 
     def volume(self):
         """m3."""
-        return pi * (self.radius**2 - self.inner_radius**2) * self.length
+        return (
+            pi * (self.radius - self.inner_radius) * (self.radius + self.inner_radius) * self.length
+        )
 
     def moments(self):
         """Principal moments (3,) per unit of mass, m2."""

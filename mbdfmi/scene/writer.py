@@ -3,6 +3,7 @@
 import os
 
 from .errors import key_text, quoted
+from .fields import Part
 
 WIDTH = 96
 
@@ -10,7 +11,7 @@ WIDTH = 96
 def toml_text(scene):
     """The scene as the text of a TOML file: what was given, not what follows from it."""
     lines = []
-    _write_table(lines, [], scene.model_dump(exclude_unset=True, exclude_none=True))
+    _write_table(lines, [], _given(scene))
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -23,29 +24,49 @@ def write_scene(scene, path):
     os.replace(unfinished, path)
 
 
+def _given(value):
+    """What was given of a part, as plain dicts and lists."""
+    if isinstance(value, Part):
+        keys = [key for key in value.keys() if key in value.model_fields_set]
+        return {
+            key: _given(getattr(value, key)) for key in keys if getattr(value, key) is not None
+        }
+    if isinstance(value, dict):
+        return {key: _given(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_given(item) for item in value]
+    return value
+
+
 def _write_table(lines, path, table):
-    """Append the lines of a table: its values, then the tables that are too long for one line."""
+    """Append the lines of a table: its values, then the tables below it."""
     inline, below = {}, {}
     for key, value in table.items():
-        # what has names of its own gets tables of its own
-        own = isinstance(value, dict) and (not path or len(path) == 1 and path[0] != "ground")
-        short = len(f"{key} = {_value(value)}") <= WIDTH
-        is_below = own or (isinstance(value, dict) and value and not short)
-        (below if is_below else inline)[key] = value
+        # parts with names of their own, as marker.elbow
+        if isinstance(value, dict) and value and all(isinstance(v, dict) for v in value.values()):
+            entries = {(key, name): item for name, item in value.items()}
+        else:
+            entries = {(key,): value}
+
+        for keys, item in entries.items():
+            top = isinstance(item, dict) and not path
+            long = isinstance(item, dict) and item and len(_line(keys, item)) > WIDTH
+            (below if top or long else inline)[keys] = item
 
     if path and (inline or not below):
-        lines += ["", "[" + ".".join(key_text(key) for key in path) + "]"]
-    for key, value in inline.items():
-        lines.append(_line(key_text(key), value))
-    for key, value in below.items():
-        _write_table(lines, [*path, key], value)
+        lines += ["", "[" + ".".join(map(key_text, path)) + "]"]
+    for keys, item in inline.items():
+        lines.append(_line(keys, item))
+    for keys, item in below.items():
+        _write_table(lines, [*path, *keys], item)
 
 
-def _line(key, value):
-    line = f"{key} = {_value(value)}"
-    if len(line) <= WIDTH or not isinstance(value, (list, tuple)):
+def _line(keys, value):
+    start = ".".join(map(key_text, keys)) + " = "
+    line = start + _value(value)
+    if len(line) <= WIDTH or not isinstance(value, list):
         return line
-    return f"{key} = [\n" + "".join(f"    {_value(item)},\n" for item in value) + "]"
+    return start + "[\n" + "".join(f"    {_value(item)},\n" for item in value) + "]"
 
 
 def _value(value):
@@ -55,6 +76,6 @@ def _value(value):
     if isinstance(value, dict):
         pairs = [f"{key_text(key)} = {_value(item)}" for key, item in value.items()]
         return "{ " + ", ".join(pairs) + " }" if pairs else "{}"
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, list):
         return "[" + ", ".join(_value(item) for item in value) + "]"
     return repr(value)
