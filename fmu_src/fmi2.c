@@ -219,7 +219,7 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
         if (is_input(c, vr[i])) c->u[vr[i]] = value[i];
         else {
             c->reals[c->resource.param_index[parameter_of(c, vr[i])]] = value[i];
-            c->prepared = false;
+            c->core->prepared = 0;
             if (c->core->mode & (INSTANTIATED | INITIALIZATION)) c->core->started = 0;
         }
     }

@@ -156,7 +156,7 @@ void instance_reset(Instance *c)
     memcpy(c->reals, r->reals, (size_t)r->n_reals*sizeof(double));
     c->core->stop_time = INFINITY;
     c->core->mode = INSTANTIATED;
-    c->prepared = c->current = false;
+    c->current = false;
 }
 
 /* ---- kernels ---- */
@@ -167,11 +167,11 @@ fmi2Status instance_prepare(Instance *c)
     int64_t status = 0;
     const int64_t *ints = c->resource.ints;
 
-    if (!c->prepared) {
+    if (!c->core->prepared) {
         int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, c->state, c->work);
         fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
         if (result != fmi2OK) return result;
-        c->prepared = true;
+        c->core->prepared = 1;
     }
 
     if (!c->core->started) {

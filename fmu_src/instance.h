@@ -36,6 +36,7 @@ typedef struct {
     double time;                      /* s, where the master is: its last point plus its last step */
     double step;                      /* s, the last step taken; 0 before the first */
     int64_t mode;                     /* a Mode */
+    int64_t prepared;                 /* 1: the state knows the present parameters */
     int64_t started;                  /* 1: the state follows from the present start values */
 } Core;
 
@@ -51,7 +52,6 @@ typedef struct {
     double *reals, *state, *u;        /* parts of that block */
 
     double *work, *y;
-    bool prepared;                    /* work follows from the present reals */
     bool current;                     /* y follows from the present reals, state and u */
 } Instance;
 
@@ -68,7 +68,7 @@ void instance_reset(Instance *c);
    logger, the rest when its category is switched on. */
 fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...);
 
-/* Brings work and, until the simulation starts, the state up to date with parameters and inputs. */
+/* Brings the state up to date with the parameters and, until the simulation starts, the start values. */
 fmi2Status instance_prepare(Instance *c);
 
 /* Brings y up to date too. */

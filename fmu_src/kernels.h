@@ -6,8 +6,9 @@
 
    ints    structure of the model, read only, shared by everything
    reals   parameters and constants of one instance, SI units
-   state   state of one instance: state[0] is the time (s), the rest is the kernels' own
-   work    scratch, zero at first; prepare leaves there what follows from the parameters
+   state   state of one instance: state[0] is the time (s), the rest is the kernels' own, what
+           prepare derives from the parameters too
+   work    scratch, zero at first
    u       3*n_u: values of the inputs, then their first, then their second derivatives
            at the start of the step
    y       n_y outputs

@@ -43,10 +43,6 @@ Snapshot *snapshot_take(const Instance *c, Snapshot *s)
 
 void snapshot_restore(Instance *c, const Snapshot *s)
 {
-    /* what prepare made of the parameters is kept when these are the same */
-    size_t n = (size_t)c->resource.n_reals*sizeof(double);
-
-    c->prepared = c->prepared && memcmp(c->reals, &s->core + 1, n) == 0;
     c->current = false;
     memcpy(c->core, &s->core, c->core_size);
 }
@@ -80,10 +76,12 @@ void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
     memcpy(bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
 }
 
-static bool known_mode(int64_t mode)
+static bool possible(const Core *core)
 {
-    return mode == INSTANTIATED || mode == INITIALIZATION || mode == STEP_COMPLETE
-           || mode == STEP_FAILED || mode == TERMINATED;
+    bool mode = core->mode == INSTANTIATED || core->mode == INITIALIZATION || core->mode == STEP_COMPLETE
+                || core->mode == STEP_FAILED || core->mode == TERMINATED;
+
+    return mode && (core->prepared | core->started | 1) == 1;
 }
 
 Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size, const char **fault)
@@ -103,7 +101,7 @@ Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_
     *fault = snapshot_fault(c, copy);
     if (!*fault && crc32_of(&copy->core, c->core_size) != copy->crc)
         *fault = "its checksum is wrong: damaged";
-    if (!*fault && !(known_mode(copy->core.mode) && (copy->core.started == 0 || copy->core.started == 1)))
+    if (!*fault && !possible(&copy->core))
         *fault = "it holds impossible values";
     if (*fault) {
         free(copy);

@@ -10,17 +10,14 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import llvmlite
 import numba
 
 ENTRIES = "mbdfmi.kernels.entry:ENTRIES"
-"""Where the table of entries is: name -> (numba dispatcher, signature)."""
-
-PREFIX = "mbdfmi_"
-"""An entry `step` is the C function `mbdfmi_step`."""
-
+"""Where the table of entries is: name of the C function -> (numba dispatcher, signature)."""
 
 class CompileError(Exception):
     """The kernels could not be compiled ahead of time; the text is the compiler's."""
@@ -31,14 +28,18 @@ def compile_entries(entries: str = ENTRIES) -> str:
 
     Raises CompileError with numba's message.
     """
-    environment = os.environ | {
-        "NUMBA_CPU_NAME": "generic",
-        "NUMBA_CPU_FEATURES": "",
-        "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
-        "PYTHONHASHSEED": "0",
-    }
     program = f"from {__name__} import print_module; print_module({entries!r})"
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+
+    # numba keeps no IR of what it finds compiled: let it find nothing
+    with tempfile.TemporaryDirectory() as empty:
+        environment = os.environ | {
+            "NUMBA_CPU_NAME": "generic",
+            "NUMBA_CPU_FEATURES": "",
+            "MBDFMI_CACHE": empty,
+            "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
+            "PYTHONHASHSEED": "0",
+        }
+        done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
 
     if done.returncode:
         raise CompileError(f"the kernels ({entries}) do not compile:\n{done.stderr.strip()}")
@@ -59,24 +60,23 @@ def versions() -> str:
 
 
 def module_of(table: dict) -> str:
-    """LLVM IR of a table name -> (dispatcher, signature): one module, entries named `mbdfmi_*`."""
+    """LLVM IR of a table name -> (dispatcher, signature): one module, entries named
+    as in the table."""
     from llvmlite import binding
 
     whole = binding.parse_assembly("")
 
     for name, (dispatcher, signature) in table.items():
-        if signature not in dispatcher.overloads:
-            dispatcher.compile(signature)
+        dispatcher.compile(signature)
+        compiled = dispatcher.overloads[signature.args]
 
-        part = binding.parse_assembly(_without_runtime(dispatcher.inspect_llvm(signature)))
+        part = binding.parse_assembly(_without_runtime(compiled.library.get_llvm_str()))
         part.triple = ""
         part.data_layout = ""
-        symbol = dispatcher.overloads[signature].fndesc.llvm_func_name
-
-        part.get_function(symbol).name = PREFIX + name
+        part.get_function(compiled.fndesc.llvm_func_name).name = name
         whole.link_in(part)
 
-    _hide(whole, {PREFIX + name for name in table})
+    _hide(whole, set(table))
     whole.verify()
     return str(whole)
 

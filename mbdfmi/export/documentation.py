@@ -1,7 +1,103 @@
-"""documentation/index.html: the page a tool opens for an FMU."""
+"""documentation/index.html: the page that a tool shows for an FMU."""
+
+from collections.abc import Iterable
 
 from lxml import html
+from lxml.builder import E
+
+from .description import generation_time, tool_version
+
+_STYLE = """
+body { font: 15px/1.5 system-ui, sans-serif; color: #1c2b3a; max-width: 62em; margin: 2em auto; padding: 0 1em }
+h1 { margin-bottom: 0 } h2 { margin-top: 2em; border-bottom: 1px solid #cfd9e2 }
+.title { font-size: 1.15em; color: #4a6072; margin-top: 0 }
+table { border-collapse: collapse; width: 100% }
+th, td { text-align: left; padding: .25em .8em .25em 0; border-bottom: 1px solid #e6ecf1; vertical-align: top }
+td.number { text-align: right; font-variant-numeric: tabular-nums } code { font-size: .92em }
+"""
+
+_HEADINGS = {
+    "input": ("Inputs", "Held over a communication step, or polynomials of it when the master gives derivatives."),
+    "output": ("Outputs", "Values at the communication point."),
+    "parameter": ("Parameters", "Tunable ones may be changed between steps, fixed ones before the simulation."),
+}
 
 
-def documentation(model, platforms):
-    return html.tostring(html.fromstring(f"<p>{model.name}</p>"))
+def documentation(model, platforms: Iterable[str]) -> bytes:
+    """The page of a model whose FMU is made for the given platforms: UTF-8 HTML without scripts or links."""
+    page = E.html(
+        E.head(E.meta(charset="utf-8"), E.title(model.name), E.style(_STYLE)),
+        E.body(
+            E.h1(model.name),
+            *([E.p(model.title, {"class": "title"})] if model.title else []),
+            *([E.p(model.description)] if model.description else []),
+            *_what_it_is(model, platforms),
+            *_places(model),
+            *(section for causality in _HEADINGS for section in _variables(model, causality)),
+            *_use(),
+        ),
+        lang="en",
+    )
+    return html.tostring(page, doctype="<!DOCTYPE html>", encoding="utf-8", pretty_print=True)
+
+
+def _what_it_is(model, platforms) -> list:
+    facts = {
+        "Kind": "FMI 2.0, co-simulation",
+        "Platforms": ", ".join(platforms),
+        "Needs": "the C library of the platform, nothing else",
+        "Size": f"{model.n_u} inputs, {model.n_y} outputs, {len(model.variables) - model.n_u - model.n_y} parameters",
+        "GUID": model.guid,
+        "Made by": f"mbdfmi {tool_version()}, {generation_time():%Y-%m-%d}",
+    }
+    return [
+        E.h2("What this is"),
+        E.p("A rigid multibody system with its own solver. Units are SI, angles are radians, orientations are "
+            "Euler parameters with the scalar part last."),
+        E.table(*(E.tr(E.th(name), E.td(text)) for name, text in facts.items())),
+    ]  # fmt: skip
+
+
+def _places(model) -> list:
+    names = [name for name in model.places if name]
+
+    return [E.h2("Bodies and joints"), E.ul(*(E.li(name) for name in names))] if names else []
+
+
+def _variables(model, causality: str) -> list:
+    """Heading and table of the variables of one causality; nothing when there are none."""
+    variables = [v for v in model.variables if v.causality == causality]
+    if not variables:
+        return []
+
+    heading, text = _HEADINGS[causality]
+    head = ["Name", "Unit", "Description"]
+    if causality == "parameter":
+        head += ["Value", "Set"]
+
+    rows = []
+    for v in variables:
+        row = E.tr(E.td(E.code(v.name)), E.td(v.unit or ""), E.td(v.description or ""))
+        if causality == "parameter":
+            row.append(E.td(f"{v.start:.10g}", {"class": "number"}))
+            row.append(E.td(v.variability))
+        rows.append(row)
+
+    return [E.h2(heading), E.p(text), E.table(E.tr(*map(E.th, head)), *rows)]
+
+
+def _use() -> list:
+    return [
+        E.h2("Use"),
+        E.ul(
+            E.li("Any communication step size, also changing from step to step; the solver takes its own steps "
+                 "inside it."),
+            E.li("The state can be saved, restored and serialised; a restored run repeats to the last bit."),
+            E.li("Several instances may run in one process, in different threads."),
+            E.li("A step that cannot be completed returns fmi2Discard with the time reached "
+                 "(fmi2LastSuccessfulTime) and fmi2Terminated; the log says why and where."),
+        ),
+        E.h2("Licence"),
+        E.p("The library in this FMU is part of mbdfmi, BSD 2-Clause licence, and comes without any warranty. "
+            "The model in it belongs to whoever wrote its scene."),
+    ]  # fmt: skip

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import fmpy
 
+from ..files import replacing
 from ..kernels.language import cache_directory
 from . import aot
 
@@ -66,10 +67,12 @@ def library(
 
         if not kernels.exists():
             progress("compiling the kernels (once per version)")
-            _keep(kernels, aot.compile_entries(entries).encode())
+            with replacing(kernels) as file:
+                file.write_text(aot.compile_entries(entries))
 
         progress(f"linking for {platform} (once per version)")
-        _keep(result, _link(PLATFORMS[platform], kernels))
+        with replacing(result) as file:
+            _link(PLATFORMS[platform], kernels, file)
 
     return result
 
@@ -99,22 +102,8 @@ def _key(entries: str) -> str:
     return digest.hexdigest()[:20]
 
 
-def _keep(path: Path, data: bytes) -> None:
-    """Writes a file whole or not at all; two processes may do it at once."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent)
-
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def _link(platform: Platform, kernels: Path) -> bytes:
-    """The bytes of the library for a platform, from the wrapper and the kernels (LLVM IR)."""
+def _link(platform: Platform, kernels: Path, library: Path) -> None:
+    """Links a platform's library from the wrapper and the kernels (LLVM IR)."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / f"fmu{platform.suffix}"
         command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
@@ -131,4 +120,4 @@ def _link(platform: Platform, kernels: Path) -> bytes:
         if done.returncode or not output.exists():
             raise LinkError(f"linking for {platform.target} failed:\n{done.stderr.strip()}")
 
-        return output.read_bytes()
+        library.write_bytes(output.read_bytes())

@@ -2,11 +2,11 @@
 
 import os
 import platform as host
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from ..files import replacing
 from ..kernels.status import MESSAGES
 from . import aot
 from .description import description, generation_time
@@ -71,19 +71,11 @@ def host_platform() -> str:
 def _write_archive(path: Path, files: dict[str, bytes]) -> None:
     """Writes a zip file whole or not at all, its bytes depending on nothing but the contents and the
     generation time."""
-    path.parent.mkdir(parents=True, exist_ok=True)
     time = max(generation_time().timetuple()[:6], (1980, 1, 1, 0, 0, 0))  # zip knows no earlier
 
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, data in files.items():
-                entry = zipfile.ZipInfo(name, time)
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                entry.external_attr = 0o644 << 16
-                archive.writestr(entry, data)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, time)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data)
