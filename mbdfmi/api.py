@@ -1,0 +1,53 @@
+"""The scene as a Python user meets it: it can simulate and export itself."""
+
+import os
+from pathlib import Path
+
+from pydantic import PrivateAttr
+
+from . import scene as _scene
+
+
+class Scene(_scene.Scene):
+    """A multibody scene that can be simulated, exported and looked at.
+
+    Made by `load`, or as `Scene(name=..., body={...}, joint={...})` with the keys of a scene file. Raises
+    SceneError with all that is wrong in it.
+    """
+
+    _file: Path | None = PrivateAttr(None)
+
+    def compile(self):
+        """The `Model` of the scene: arrays and variables. Raises SceneError."""
+        from .model import compile_scene
+
+        try:
+            return compile_scene(self)
+        except _scene.SceneError as error:
+            raise _scene.SceneError(error.problems, file=self._file) from None
+
+    def simulate(self, until, step=None, inputs=None, parameters=None, **options):
+        """Run in process up to `until` (s); see `mbdfmi.simulate.simulate`. Returns Results, columns by name."""
+        from .simulate import simulate
+
+        return simulate(self.compile(), until, step, inputs, parameters, **options)
+
+    def export(self, path=None, platforms=None, **options) -> Path:
+        """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`.
+
+        path : by default `<scene's name>.fmu` in the working folder.
+        platforms : e.g. ["x86_64-linux", "x86_64-windows"]; by default this machine's.
+        """
+        from .export import export_fmu
+
+        model = self.compile()
+        path = Path(path) if path else Path(f"{model.identifier}.fmu")
+        return export_fmu(model, path, platforms, scene_file=self._file, **options)
+
+
+def load(path: str | os.PathLike) -> Scene:
+    """Read a scene from a TOML file. Raises SceneError with the file's name and all that is wrong in it."""
+    read = _scene.read_scene(path)
+    scene = Scene.model_construct(read.model_fields_set, **read.__dict__)
+    scene._file = Path(path)
+    return scene
