@@ -13,7 +13,7 @@ h1 { margin-bottom: 0 } h2 { margin-top: 2em; border-bottom: 1px solid #cfd9e2 }
 .title { font-size: 1.15em; color: #4a6072; margin-top: 0 }
 table { border-collapse: collapse; width: 100% }
 th, td { text-align: left; padding: .25em .8em .25em 0; border-bottom: 1px solid #e6ecf1; vertical-align: top }
-td.number { text-align: right; font-variant-numeric: tabular-nums } code { font-size: .92em }
+code { font-size: .92em }
 """
 
 _HEADINGS = {
@@ -29,10 +29,10 @@ def documentation(model, platforms: Iterable[str]) -> bytes:
         E.head(E.meta(charset="utf-8"), E.title(model.name), E.style(_STYLE)),
         E.body(
             E.h1(model.name),
-            *([E.p(model.title, {"class": "title"})] if model.title else []),
+            *([E.p(model.title, {"class": "title"})] if model.title != model.name else []),
             *([E.p(model.description)] if model.description else []),
             *_what_it_is(model, platforms),
-            *_places(model),
+            *_contents(model.scene),
             *(section for causality in _HEADINGS for section in _variables(model, causality)),
             *_use(),
         ),
@@ -46,7 +46,7 @@ def _what_it_is(model, platforms) -> list:
         "Kind": "FMI 2.0, co-simulation",
         "Platforms": ", ".join(platforms),
         "Needs": "the C library of the platform, nothing else",
-        "Size": f"{model.n_u} inputs, {model.n_y} outputs, {len(model.variables) - model.n_u - model.n_y} parameters",
+        "Solver": _solver(model.scene.solver),
         "GUID": model.guid,
         "Made by": f"mbdfmi {tool_version()}, {generation_time():%Y-%m-%d}",
     }
@@ -58,32 +58,55 @@ def _what_it_is(model, platforms) -> list:
     ]  # fmt: skip
 
 
-def _places(model) -> list:
-    names = [name for name in model.places if name]
+def _contents(scene) -> list:
+    """Tables of bodies, joints and forces."""
+    bodies = []
+    for name, body in scene.body.items():
+        mass, com, _ = body.mass_properties()
+        bodies.append([name, f"{mass:.6g}", ", ".join(f"{x:.6g}" for x in com)])
 
-    return [E.h2("Bodies and joints"), E.ul(*(E.li(name) for name in names))] if names else []
+    joints = [[name, joint.kind, " to ".join(joint.between)] for name, joint in scene.joint.items()]
+    forces = [[name, force.kind.replace("_", "-"), " to ".join(force.between)] for name, force in scene.force.items()]
+
+    return [
+        *_section("Bodies", ["Name", "Mass, kg", "Centre of mass, m"], bodies),
+        *_section("Joints", ["Name", "Kind", "Between"], joints),
+        *_section("Forces", ["Name", "Kind", "Between"], forces),
+    ]
+
+
+def _section(heading: str, head: list[str], rows: list[list], text: str = "") -> list:
+    """A heading, a text and a table; nothing when it has no rows."""
+    if not rows:
+        return []
+
+    table = E.table(E.tr(*map(E.th, head)), *(E.tr(*map(E.td, row)) for row in rows))
+    return [E.h2(heading), *([E.p(text)] if text else []), table]
 
 
 def _variables(model, causality: str) -> list:
-    """Heading and table of the variables of one causality; nothing when there are none."""
-    variables = [v for v in model.variables if v.causality == causality]
-    if not variables:
-        return []
-
+    """The table of the variables of one causality."""
     heading, text = _HEADINGS[causality]
     head = ["Name", "Unit", "Description"]
+    rows = [[E.code(v.name), v.unit or "", v.description or ""] for v in model.of_causality(causality)]
+
     if causality == "parameter":
-        head += ["Value", "Set"]
+        head += ["Value", "Variability"]
+        for row, v in zip(rows, model.of_causality(causality)):
+            row += [f"{v.start:.10g}", v.variability]
 
-    rows = []
-    for v in variables:
-        row = E.tr(E.td(E.code(v.name)), E.td(v.unit or ""), E.td(v.description or ""))
-        if causality == "parameter":
-            row.append(E.td(f"{v.start:.10g}", {"class": "number"}))
-            row.append(E.td(v.variability))
-        rows.append(row)
+    return _section(heading, head, rows, text)
 
-    return [E.h2(heading), E.p(text), E.table(E.tr(*map(E.th, head)), *rows)]
+
+def _solver(solver) -> str:
+    """The solver in a sentence."""
+    if solver.integrator == "rk4":
+        return f"Classical Runge-Kutta method of order 4, fixed inner step of at most {solver.step:g} s."
+
+    return (
+        "Embedded Runge-Kutta pair of order 5(4) with adaptive inner steps, "
+        f"relative tolerance {solver.tolerance:g}, absolute tolerance {solver.absolute_tolerance:g}."
+    )
 
 
 def _use() -> list:

@@ -34,9 +34,10 @@ PLATFORMS: dict[str, Platform] = {
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), ".so"),
     "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), ".dll"),
     "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib"),
-    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin",), ".dylib"),
+    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin", "darwin64"), ".dylib"),
 }
-"""Platforms that a library can be linked for, on any of them."""
+"""Platforms that a library can be linked for, on any of them. darwin64 is Intel's by the standard, but
+some tools look nowhere else on the newer Macs."""
 
 FLAGS = (
     "-shared", "-std=c99", "-O2", "-s", "-fPIC", "-fvisibility=hidden", "-fno-sanitize=all", "-ffp-contract=off",
@@ -59,12 +60,13 @@ def library(
     if platform not in PLATFORMS:
         raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
 
-    folder = cache_directory() / "fmu" / _key(entries)
-    result = folder / (platform + PLATFORMS[platform].suffix)
+    kernel_key = _hash(aot.source_files(entries), entries, aot.versions())
+    key = _hash(_wrapper_files(), kernel_key, f"ziglang {version('ziglang')}")
+
+    kernels = cache_directory() / "fmu" / f"{kernel_key}.ll"
+    result = cache_directory() / "fmu" / f"{key}-{platform}{PLATFORMS[platform].suffix}"
 
     if not result.exists():
-        kernels = folder / "kernels.ll"
-
         if not kernels.exists():
             progress("compiling the kernels (once per version)")
             with replacing(kernels) as file:
@@ -90,14 +92,17 @@ def _headers() -> Path:
     return Path(fmpy.__file__).parent / "c-code"
 
 
-def _key(entries: str) -> str:
-    """Hash (hex) of all that a library is made of."""
-    files = aot.source_files(entries) + sorted(wrapper_folder().glob("*.[ch]")) + [Path(__file__)]
-    files += sorted(_headers().glob("fmi2*.h"))
+def _wrapper_files() -> list[Path]:
+    """All that a library is made of beside the kernels."""
+    return [*sorted(wrapper_folder().glob("*.[ch]")), *sorted(_headers().glob("fmi2*.h")), Path(__file__)]
 
-    digest = hashlib.sha256(f"{entries} {aot.versions()} ziglang {version('ziglang')}".encode())
+
+def _hash(files: list[Path], *texts: str) -> str:
+    """Hash (hex) of the files' names and contents, and of the texts."""
+    digest = hashlib.sha256("\0".join(texts).encode())
+
     for file in files:
-        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+        digest.update(b"\0" + file.name.encode() + b"\0" + file.read_bytes())
 
     return digest.hexdigest()[:20]
 

@@ -36,7 +36,7 @@ def export_fmu(
     description.DescriptionError.
     """
     path = Path(path)
-    chosen = list(dict.fromkeys(platforms or [host_platform()]))
+    chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: where folders clash, it stays
 
     files = {
         "modelDescription.xml": description(model),
