@@ -19,6 +19,7 @@ ROLL_INERTIA = 4.2861e9                         # kg m2, mean of roll and pitch,
 HEAVE_STIFFNESS, TILT_STIFFNESS = 16082906.0, 2023430611.0              # N/m, N m/rad: buoyancy
 HEAVE_ADDED, TILT_ADDED = 18630380.0, 1.260259e9                        # kg, kg m2: infinite frequency
 DIAMETER, SIDE, DRAUGHT, VOLUME = 45.1352, 40.0, 4.0, 6000.0            # m, m3
+TILT = radians(5)                               # of the shaft
 
 
 def blade():
@@ -55,13 +56,17 @@ def damping():
     return surge, heave, roll, yaw
 
 
-def rest():
-    """Surge (m), heave (m) and pitch (deg) at rest on the moorings without wind."""
+def rest(thrust=0.0):
+    """Surge (m), heave (m) and pitch (rad) at rest on the moorings.
+
+    thrust: along the shaft, on the hub at (-5, 0, 90) m, N.
+    """
     weight, buoyancy = TOTAL_MASS * GRAVITY, WATER * GRAVITY * VOLUME
     heave = (buoyancy - 2057596.3 - weight) / (HEAVE_STIFFNESS + 24923.68)
     stiffness = [[15882.09, 207920], [207920, 26215400 + TILT_STIFFNESS - weight * MASS_Z]]
-    surge, pitch = np.linalg.solve(stiffness, [0, weight * MASS_X])
-    return surge, heave, np.degrees(pitch)
+    force, lift = thrust * cos(TILT), -thrust * sin(TILT)
+    surge, pitch = np.linalg.solve(stiffness, [force, 90 * force + 5 * lift + weight * MASS_X])
+    return surge, heave, pitch
 
 
 def main():
@@ -75,7 +80,7 @@ def main():
     print("hub: half the inertia about the shaft  ", 115926 / 2)
     print("buoyancy                               ", WATER * GRAVITY * VOLUME)
     print("damping: surge, heave, roll, yaw       ", *damping())
-    print("at rest: surge, heave, pitch in degrees", *rest())
+    print("at rest: surge, heave, pitch           ", *rest())
 
 
 if __name__ == "__main__":
