@@ -150,6 +150,16 @@ def subspace(m, d, i, k):
 
 
 @inlined
+def add_given_acceleration(m, d, i):
+    """S v' to the bias of a joint whose v' is given (in d.x_rate)."""
+    for k in range(n_v(m.body_joint[i])):
+        S_w, S_r = subspace(m, d, i, k)
+        rate = d.x_rate[m.n_q + m.body_v[i] + k]
+        al.add_vec3(d.bias_w, i, al.scale(rate, S_w))
+        al.add_vec3(d.bias_r, i, al.scale(rate, S_r))
+
+
+@inlined
 def position_rates(m, d, i):
     """q' of body i's joint from its v, into d.x_rate."""
     kind = m.body_joint[i]

@@ -124,6 +124,7 @@ ARRAYS = (
     Row("joint_axes", "work", 9, "n_body", "joint axes on the parent to O (spherical, free)"),
     Row("bias_w", "work", 3, "n_body", "rad/s2, angular acceleration relative to the parent's at v' = 0"),
     Row("bias_r", "work", 3, "n_body", "m/s2, likewise of the origin, beyond a_parent + alpha_parent x arm"),
+    Row("held", "work", 1, "n_body", "1: the joint's acceleration is given, not found"),
     # work: inertia and forces of the nodes
     Row("h", "work", 3, "n_body", "kg m, mass times centre of mass from the origin"),
     Row("I", "work", 6, "n_body", "inertia of the node: rotational block"),

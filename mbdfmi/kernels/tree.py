@@ -27,6 +27,9 @@ def kinematics(m, d):
     for i in range(1, m.n_body):
         joints.move(m, d, i)
 
+        if d.held[i] > 0.0:
+            joints.add_given_acceleration(m, d, i)
+
 
 @inlined
 def momentum(m, d, i):
@@ -199,7 +202,16 @@ def aba(m, d):
         bias_w = al.vec3(d.bias_w, i)
         bias_r = al.vec3(d.bias_r, i)
 
-        if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+        if d.held[i] > 0.0:
+            # its acceleration is known and part of the bias: the joint is rigid
+            moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
+            force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
+
+            if parent > 0:
+                add_shifted_inertia(d, parent, arm, I, H, M)
+                add_shifted_wrench(d, parent, arm, moment, force)
+
+        elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
             axis = al.vec3(d.axis, i)
 
             if kind == joints.REVOLUTE:
@@ -278,7 +290,10 @@ def aba(m, d):
         rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
         rdd = al.add(rdd, al.vec3(d.bias_r, i))
 
-        if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+        if d.held[i] > 0.0:
+            pass
+
+        elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
             carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
             rate = (d.effort[3 * i] - carried) / d.D[6 * i]
             d.x_rate[v] = rate
@@ -331,7 +346,8 @@ def rnea(m, d, tau):
         rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
         rdd = al.add(rdd, al.vec3(d.bias_r, i))
 
-        for k in range(joints.n_v(m.body_joint[i])):
+        # a given acceleration is in the bias already
+        for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
             rate = d.x_rate[m.n_q + v + k]
             alpha = al.axpy(rate, S_w, alpha)
