@@ -80,7 +80,8 @@ def main():
     print("hub: half the inertia about the shaft  ", 115926 / 2)
     print("buoyancy                               ", WATER * GRAVITY * VOLUME)
     print("damping: surge, heave, roll, yaw       ", *damping())
-    print("at rest: surge, heave, pitch           ", *rest())
+    surge, heave, pitch = rest()
+    print("at rest: surge, heave, pitch in degrees", surge, heave, np.degrees(pitch))
 
 
 if __name__ == "__main__":

@@ -151,7 +151,7 @@ def arguments():
                         help="another number, another sea of the same kind (default %(default)s)")
     parser.add_argument("--wind", type=float, default=12.0, metavar="M/S",
                         help="steady wind, m/s, 5 to 25; rated is 11.4 (default %(default)s)")
-    parser.add_argument("--out", type=Path, default=Path("results/floating_wind_turbine"),
+    parser.add_argument("--out", type=Path, default=Path("out/floating_wind_turbine"),
                         metavar="PATH", help="results go to PATH.csv and PATH.png, FMUs to fmus/ "
                         "beside them (default %(default)s)")
     options = parser.parse_args()
