@@ -5,12 +5,12 @@ from .errors import Problem, SceneError
 from .forces import Force, Linear, SpringDamper
 from .joints import Fixed, Free, Joint, Prismatic, Revolute, Spherical
 from .names import fmi_name
-from .reader import read_scene
+from .reader import parse_scene, read_scene
 from .schema import Scene, Solver
 from .writer import write_scene
 
 __all__ = [
     "Body", "Fixed", "Force", "Free", "Ground", "GroundMarker", "Joint", "Linear", "Marker",
     "Prismatic", "Problem", "Revolute", "Scene", "SceneError", "Solver", "Spherical",
-    "SpringDamper", "fmi_name", "read_scene", "write_scene",
+    "SpringDamper", "fmi_name", "parse_scene", "read_scene", "write_scene",
 ]

@@ -3,9 +3,9 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from .errors import listed, show
+from .errors import listed
 from .fields import Array, OneOf, Part, Positive, SomeOf, Vector
 from .names import Name
 from .orientation import Oriented, Placed

@@ -1,7 +1,8 @@
 """Checks across the tables of a scene: names, references, connections, clashes of variables.
 
-References are checked on the data as written, any part of which may be wrong in other ways, so that
-one reading finds all that is wrong. What has not the right form here has its message from the schema.
+References are checked on the data as written, any part of which may be wrong in other ways, so
+that one reading finds all that is wrong. What has not the right form is passed over here: it has
+its message from the schema.
 """
 
 from pydantic import BaseModel
@@ -21,6 +22,7 @@ def cross_references(data):
     problems = []
     for table in NAMED_TABLES:
         problems += _same_names((table,), _entries(data, table))
+    problems += _shared_names(_entries(data, "joint"), _entries(data, "force"))
     for name, body in bodies.items():
         problems += _same_names(("body", name, "marker"), _entries(body, "marker"))
     problems += _same_names(("ground", "marker"), _entries(ground, "marker"))
@@ -127,6 +129,16 @@ def _same_names(path, names):
             text = f"the name is the same as {quoted(first)} in an FMU; choose another"
             problems.append(Problem((*path, name), text))
     return problems
+
+
+def _shared_names(joints, forces):
+    # both have parameters such as stiffness; those of bodies have other names
+    taken = {fmi_name(_plain(name)) for name in joints}
+    return [
+        Problem(("force", name), "a joint has this name too; choose another")
+        for name in forces
+        if fmi_name(_plain(name)) in taken
+    ]
 
 
 def _wrong_ends(table, ends, markers, joints):

@@ -1,9 +1,10 @@
 """What is wrong with a scene, said so that its author can mend it.
 
-A `Problem` is one thing that is wrong: where (a path of keys into the scene) and what. A `SceneError`
-carries all problems of a file. Its text reads
+A `Problem` is one thing that is wrong: where (a path of keys into the scene) and what. A
+`SceneError` carries all problems of a file. Its text reads
 
-    arm.toml: [joint.elbow] between: no marker "elbw" on body "upper"; ... Did you mean "upper.elbow"?
+    arm.toml: [joint.elbow] between: no marker "elbw" on body "upper"; it has "elbow" and "tip".
+    Did you mean "upper.elbow"?
 """
 
 import json
@@ -48,9 +49,9 @@ class SceneError(Exception):
 
 
 def place_text(path):
-    """The place of a problem as a reader of the file looks for it: `[body.upper] marker.tip.position[2]:`.
+    """The place of a problem as it is looked for in a file, `[body.hull] solid[2].box.size:`.
 
-    Positions in lists count from 1, as FMU variables do.
+    Positions in lists count from 1, as those of FMU variables.
     """
     path = list(path)
     if not path:
@@ -102,8 +103,9 @@ def show(value, limit=60):
             if len(text) <= limit:
                 return text
         if all(isinstance(item, (list, tuple)) for item in value):
-            rows = sorted({len(item) for item in value})
-            return f"{len(value)} rows of {' and '.join(map(str, rows[:3]))}"
+            lengths = sorted({len(item) for item in value})
+            some = f"{lengths[0]} to {lengths[-1]}" if len(lengths) > 1 else lengths[0]
+            return f"{len(value)} row{'s' * (len(value) > 1)} of {some}"
         return f"a list of {len(value)}"
 
     # int first: Python refuses to print very long ones, and they do not fit a float
@@ -130,12 +132,13 @@ def did_you_mean(word, options):
     spelt = {option.lower(): option for option in options}
     word = str(word).lower()
 
-    # `mass_kg` is meant to be `mass`, `zyx` one of `zyx_deg` and `zyx_rad`, `rk45` `rk54`; only
-    # after these what is nearest by letters
+    # the word itself in other case; then `mass_kg` is meant to be `mass`, `zyx` one of `zyx_deg`
+    # and `zyx_rad`, `rk45` to be `rk54`; only after these what is nearest by letters
     near = (
-        [option for option in spelt if word.startswith(option + "_")]
+        [option for option in spelt if option == word]
+        or [option for option in spelt if word.startswith(option + "_")]
         or [option for option in spelt if option.startswith(word + "_")]
         or [option for option in spelt if sorted(option) == sorted(word)]
-        or get_close_matches(word, list(spelt), n=1, cutoff=0.6)
+        or get_close_matches(word, list(spelt), n=1, cutoff=0.65)
     )
-    return f" Did you mean {listed([spelt[word] for word in near], 'or')}?" if near else ""
+    return f" Did you mean {listed([spelt[option] for option in near], 'or')}?" if near else ""

@@ -181,7 +181,7 @@ class Part(BaseModel, metaclass=_PartType):
     needed: ClassVar[tuple] = ()
 
     @classmethod
-    def keys(cls):
+    def known_keys(cls):
         """The keys that the table may have, the one that tells its kind first."""
         return sorted(cls.model_fields, key=lambda key: key != cls.kind)
 

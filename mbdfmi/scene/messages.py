@@ -60,7 +60,7 @@ def _text(found, cls):
 
 
 def _unknown_key(part, key, value):
-    keys = part.keys()
+    keys = part.known_keys()
     text = f"unknown key; there is {listed(keys)}." + did_you_mean(key, keys)
     if "marker" in keys and isinstance(value, dict):
         text += f" A marker is written marker.{key_text(key)} = {{ ... }}."

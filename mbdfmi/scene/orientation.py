@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, Field
 from scipy.spatial.transform import Rotation
 
-from .errors import listed, show
+from .errors import listed
 from .fields import Array, Axis, Number, OneOf, Part, Vector, unit_vector
 
 ANGLES = "3 angles [yaw, pitch, roll]"

@@ -16,39 +16,40 @@ def read_scene(path):
     """
     path = os.fspath(path)
     try:
-        return Scene.model_validate(_read_toml(path))
-    except SceneError as error:
-        raise SceneError(error.problems, file=path) from None
-
-
-def _fail(text):
-    raise SceneError([Problem((), text)]) from None
-
-
-def _read_toml(path):
-    """The tables of a TOML file as a dict; SceneError when it cannot be read."""
-    try:
         with open(path, "rb") as file:
             data = file.read()
     except FileNotFoundError:
-        _fail("there is no such file")
+        text = "there is no such file"
     except IsADirectoryError:
-        _fail("is a folder; name a scene file in it")
+        text = "is a folder; name a scene file in it"
     except (OSError, ValueError) as error:
-        _fail(f"cannot be read: {getattr(error, 'strerror', None) or error}")
+        text = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    else:
+        return parse_scene(data, path)
 
+    raise SceneError([Problem((), text)], file=path)
+
+
+def parse_scene(data, file=None):
+    """A scene from the bytes of a TOML file, with the name that messages give the file, or None.
+
+    Raises SceneError with all that is wrong.
+    """
     try:
-        text = data.decode("utf-8-sig")
+        return Scene.model_validate(tomllib.loads(data.decode("utf-8-sig")))
+    except SceneError as error:
+        problems = error.problems
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        _fail(f"line {line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8")
-
-    try:
-        return tomllib.loads(text)
+        text = f"line {line}: not UTF-8 text (byte 0x{data[error.start]:02x}); save it as UTF-8"
+        problems = [Problem((), text)]
     except RecursionError:
-        _fail("lists or tables are nested too deeply")
+        problems = [Problem((), "lists or tables are nested too deeply")]
     except ValueError as error:
-        _fail(_syntax_text(str(error), text))
+        text = _syntax_text(str(error), data.decode("utf-8-sig"))
+        problems = [Problem((), text)]
+
+    raise SceneError(problems, file=file)
 
 
 # what tomllib's messages mostly come from
@@ -68,12 +69,13 @@ HINTS = {
 
 def _syntax_text(message, text):
     """What tomllib says, with the place first, the line shown, and a hint."""
-    found = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
+    place = r"\(at (?:line (\d+), column (\d+)|end of document)\)"
+    found = re.fullmatch(rf"(.*) {place}", message, re.DOTALL)
     if not found:
         return f"not valid TOML: {message}"
 
-    lines = text.rstrip().split("\n")
-    line = int(found[2] or len(lines))
+    line = int(found[2] or text.rstrip().count("\n") + 1)
+    shown = show(text.split("\n")[line - 1].strip())
     column = f", column {found[3]}" if found[3] else ""
     # tables as the file has them, not as tuples
     what = re.sub(
@@ -81,4 +83,4 @@ def _syntax_text(message, text):
     )
     hint = next(("; " + hint for start, hint in HINTS.items() if what.startswith(start)), "")
 
-    return f"line {line}{column}: not valid TOML: {what} in {show(lines[line - 1].strip())}{hint}"
+    return f"line {line}{column}: not valid TOML: {what} in {shown}{hint}"

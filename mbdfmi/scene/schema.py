@@ -101,6 +101,7 @@ class Scene(Part):
         """Where an end ("body", "body.marker", "ground", "ground.marker") is.
 
         Returns (name of the body or "ground", position (3,) in m, A (3, 3)) in that body's frame.
+        Raises KeyError for an end that is not there.
         """
         owner, _, marker = end.partition(".")
         if not marker:

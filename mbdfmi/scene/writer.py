@@ -1,7 +1,6 @@
 """A scene as TOML."""
 
-import os
-
+from ..files import replacing
 from .errors import key_text, quoted
 from .fields import Part
 
@@ -18,16 +17,14 @@ def toml_text(scene):
 def write_scene(scene, path):
     """Write the scene to a TOML file, whole or not at all. Raises OSError."""
     text = scene.to_toml()
-    unfinished = f"{os.fspath(path)}.{os.getpid()}.tmp"
-    with open(unfinished, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(unfinished, path)
+    with replacing(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
 
 
 def _given(value):
     """What was given of a part, as plain dicts and lists."""
     if isinstance(value, Part):
-        keys = [key for key in value.keys() if key in value.model_fields_set]
+        keys = [key for key in value.known_keys() if key in value.model_fields_set]
         return {
             key: _given(getattr(value, key)) for key in keys if getattr(value, key) is not None
         }

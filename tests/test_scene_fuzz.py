@@ -1,0 +1,568 @@
+"""Broken scene files: each ends in messages that name the file and the place, never in a traceback.
+
+The damage is done to two good files: to every value and every key of them in turn (systematic), to
+their text and bytes, and at random. What is still a scene after it must be a sound one.
+"""
+
+import copy
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from mbdfmi.scene import Scene, SceneError, parse_scene, read_scene
+
+# no numpy warning either: NaN and overflow must not get that far
+pytestmark = pytest.mark.filterwarnings("error")
+
+ARM = """\
+name    = "arm"
+output  = ["total_energy"]
+
+[solver]
+integrator = "rk4"
+step = 1e-3
+
+[ground]
+marker.site = { position = [0, 0, 1], zyx_deg = [90, 0, 0] }
+
+[body.upper]
+mass    = 2.0
+com     = [0, 0, -0.25]
+inertia = [0.042, 0.042, 0.001]
+inertia_axes = { euler_parameters = [0, 0, 0, 1] }
+marker.elbow = { position = [0, 0, -0.5], output = ["position"] }
+marker.tip = { axes = { z = [0, 0, 1], x = "y" } }
+
+[body.lower]
+solid = { cylinder = { radius = 0.02, length = 0.4, density = 2700 }, axis = "z" }
+
+[joint.shoulder]
+revolute = { axis = "y" }
+between  = ["ground.site", "upper"]
+start    = { angle_deg = 30, speed = 1 }
+input    = "torque"
+output   = ["angle", "speed"]
+
+[joint.elbow]
+revolute = { axis = [0, 1, 0] }
+between  = ["upper.elbow", "lower"]
+spring   = { stiffness = 10, rest_deg = 5 }
+damper   = 0.1
+"""
+
+BARGE = """\
+name = "barge"
+gravity = [0, 0, -9.81]
+
+[solver]
+tolerance = 1e-6
+max_step = 0.1
+
+[body.hull]
+solid = [
+    { box = { size = [40, 40, 10], mass = 5e6 }, position = [0, 0, 1] },
+    { tube = { radius = 3, inner_radius = 2.9, length = 80, density = 7850 }, axis = "z" },
+    { sphere = { radius = 1, density = 1000 }, zyx_rad = [0, 0, 1] },
+]
+input = ["force", "moment"]
+input_axes = "body"
+
+[body.weight]
+mass = 10
+inertia = [1, 1, 1, 0, 0, 0]
+
+[joint.sea]
+free = {}
+between = ["ground", "hull"]
+start = { position = [0, 0, 1], axis_angle = { axis = "x", angle_deg = 5 }, omega = [0, 0, 1] }
+output = ["position", "zyx"]
+
+[joint.ball]
+spherical = {}
+between = ["hull", "weight"]
+output = ["omega"]
+
+[force.line]
+spring_damper = { stiffness = 1e4, damping = 10, rest_length = 1 }
+between = ["ground", "weight"]
+output = ["length"]
+
+[force.water]
+between = ["ground", "hull"]
+
+[force.water.linear]
+preload = [0, 0, 1e6, 0, 0, 0]
+stiffness = [
+    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0],
+    [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1],
+]
+added_mass = [
+    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0],
+    [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1],
+]
+"""
+
+GOOD = {"arm": ARM, "barge": BARGE}
+
+
+# the oracle
+
+def outcome(content):
+    """The SceneError that a file of this content ends in, or None for a sound scene."""
+    try:
+        scene = parse_scene(content if isinstance(content, bytes) else content.encode(), "a.toml")
+    except SceneError as error:
+        assert error.errors
+        for message in error.errors:
+            assert message.startswith("a.toml: ")
+            assert len(message) > len("a.toml: ") + 10
+            assert "\n" not in message
+            # words of the machinery have no place in a message
+            assert not any(word in message for word in ("pydantic", "Traceback", "Input should"))
+        return error
+
+    check_sound(scene)
+    return None
+
+
+def check_sound(scene):
+    for body in scene.body.values():
+        mass, com, inertia = body.mass_properties()
+        assert mass > 0 and np.isfinite(com).all() and np.isfinite(inertia).all()
+        for end in (marker.pose() for marker in body.marker.values()):
+            assert all(np.isfinite(part).all() for part in end)
+    for joint in scene.joint.values():
+        assert np.isclose(np.linalg.norm(joint.axis), 1)
+        assert np.isfinite(joint.start_position()).all()
+        assert np.isfinite(joint.start_velocity()).all()
+        for end in joint.between:
+            scene.marker_pose(end)
+    assert Scene.model_validate(tomllib.loads(scene.to_toml())) == scene
+
+
+# damage to values and keys
+
+class Raw(str):
+    """A value already written as TOML."""
+
+
+WRONG_VALUES = {
+    "text": "nonsense", "empty text": "", "blank text": "  ", "number in quotes": "2.0",
+    "unit": "2 kg", "control character": "a\x01b", "long text": "x" * 10_000,
+    "zero": 0, "minus one": -1, "minus tiny": -1e-300, "tiny": 1e-300, "huge": 1e300,
+    "huge whole": Raw("1" + 400 * "0"), "huge hex": Raw("0x" + 5000 * "f"),
+    "nan": np.nan, "inf": np.inf, "minus inf": -np.inf, "true": True,
+    "date": Raw("2024-02-29"), "time": Raw("07:32:00"),
+    "empty list": [], "list of a list": [[]], "list of text": ["a"], "numbers": [1, 2, 3, 4, 5],
+    "nans": [np.nan] * 3, "huge numbers": [1e300] * 3, "zeros": [0, 0, 0],
+    "mixed": [1, "a", []],
+    "matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "ragged": [[1, 2, 3], [4, 5], [6]],
+    "empty table": {}, "strange table": {"strange": 1}, "tables": [{}, {}],
+    "deep list": Raw("[" * 60 + "]" * 60), "deep table": Raw("{a=" * 60 + "1" + "}" * 60),
+}
+
+
+def toml(value):
+    if isinstance(value, Raw):
+        return str(value)
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{toml(k)} = {toml(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    if isinstance(value, str):
+        return '"' + "".join(
+            c if c.isprintable() and c not in '"\\' else f"\\U{ord(c):08x}" for c in value
+        ) + '"'
+    return repr(value)
+
+
+def document(tables):
+    return "".join(f"{toml(key)} = {toml(value)}\n" for key, value in tables.items())
+
+
+def places(value, path=()):
+    """Paths of all values in nested tables and lists; the first number of a list stands for all."""
+    if path:
+        yield path
+    if isinstance(value, dict):
+        items = value.items()
+    elif isinstance(value, list):
+        alike = value and not isinstance(value[0], (str, dict))
+        items = enumerate(value[:1] if alike else value)
+    else:
+        return
+    for key, item in items:
+        yield from places(item, (*path, key))
+
+
+def damage(tables, path, change):
+    """A copy of the tables with change(holder, key) done at the path."""
+    tables = copy.deepcopy(tables)
+    holder = tables
+    for key in path[:-1]:
+        holder = holder[key]
+    change(holder, path[-1])
+    return tables
+
+
+def put(value):
+    def change(holder, key):
+        holder[key] = value
+    return change
+
+
+def rename(holder, old, new):
+    # in place, so that the order stays
+    items = [(new if key == old else key, value) for key, value in holder.items()]
+    holder.clear()
+    holder.update(items)
+
+
+def structural_changes(holder, key, value):
+    """Named changes that fit the place."""
+    yield "deleted", lambda h, k: h.pop(k)
+    yield "in a list", put([value])
+    yield "in a table", put({str(key): value})
+    if isinstance(value, list):
+        yield "one more", put([*value, value[0]])
+        yield "one less", put(value[:-1])
+        yield "doubled", put(value * 2)
+        yield "as a table", put({str(i): item for i, item in enumerate(value)})
+    if isinstance(value, dict):
+        yield "as a list", put(list(value.values()))
+        yield "with a strange key", put({**value, "strange": 1})
+    if isinstance(value, str):
+        yield "misspelt text", put(value[:-1] + "q")
+        yield "upper text", put(value.upper())
+        yield "dotted text", put(value + "." + value)
+        yield "half dotted text", put(value + ".")
+    if isinstance(holder, dict):
+        for what, new in {
+            "letter lost": key[1:], "letter twice": key[0] + key, "letters swapped": key[::-1],
+            "upper": key.upper(), "plural": key + "s", "empty": "", "with a dot": "a." + key,
+            "with a unit": key + "_m", "ground": "ground", "control": key + "\x00",
+        }.items():
+            if new != key and new not in holder:
+                yield f"key {what}", lambda h, k, new=new: rename(h, k, new)
+        yield "copied", lambda h, k: h.update({k + "2": h[k]})
+
+
+def changes():
+    for name, text in GOOD.items():
+        tables = tomllib.loads(text)
+        for i, path in enumerate(places(tables)):
+            holder = tables
+            for key in path[:-1]:
+                holder = holder[key]
+            value = holder[path[-1]]
+
+            # some of them at each place, in turns
+            for what, wrong in list(WRONG_VALUES.items())[i % 3::3]:
+                yield name, tables, path, what, put(wrong)
+            for what, change in list(structural_changes(holder, path[-1], value))[i % 2::2]:
+                yield name, tables, path, what, change
+
+
+def test_damaged_values_and_keys():
+    kinds, refused, done = set(), 0, 0
+    for name, tables, path, what, change in changes():
+        error = outcome(document(damage(tables, path, change)))
+        done += 1
+
+        if error:
+            refused += 1
+            # the kind of damage: what was done, to which key of which table
+            keys = [key for key in path if isinstance(key, str)]
+            kinds.add((what, path[0], keys[-1]))
+            # the message leads to the place, or to what now misses it
+            near = [*keys, "TOML", "ground"]
+            assert any(key in str(error) for key in near), (path, what, str(error))
+
+    assert len(kinds) >= 200
+    assert refused > 0.8 * done
+
+
+# damage to text and bytes
+
+def text_damages(text):
+    lines = text.splitlines(keepends=True)
+    for end in range(0, len(text), 7):
+        yield f"cut off at {end}", text[:end]
+    for i, line in enumerate(lines):
+        rest = "".join(lines[:i]), "".join(lines[i + 1:])
+        yield f"line {i} lost", "".join(rest)
+        yield f"line {i} twice", rest[0] + line + line + rest[1]
+        for old, new in [("=", ""), ("[", ""), ('"', ""), ("]", "}"), (".", ","), (",", "")]:
+            yield f"{old} made {new} in line {i}", rest[0] + line.replace(old, new) + rest[1]
+        yield f"line {i} moved up", line + "".join(rest)
+    for junk in ("\x00", "\x7f", "\ufeff", "“", "]", "}", '"', "'''", "= =", "[[body]]\n"):
+        for i in range(0, len(lines), 5):
+            yield f"{junk!r} before line {i}", "".join(lines[:i]) + junk + "".join(lines[i:])
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_damaged_text(name):
+    for _, text in text_damages(GOOD[name]):
+        outcome(text)
+
+
+@pytest.mark.parametrize("content", [
+    b"", b"\n\n", b"\x00" * 1000, bytes(range(256)), b"\x89PNG\r\n\x1a\n", b"PK\x03\x04",
+    b"\xff\xfe", ARM.encode("utf-16"), ARM.replace("arm", "ärm").encode("latin-1"),
+    b"name = '\xed\xa0\x80'", b"a=1\n\x0b\n\x1c", b"a=" + b"[" * 100_000,
+    b"a=" + b"{a=" * 100_000, b"[" + b"a." * 5000 + b"a]", b"a." * 3000 + b"a=1",
+    b"x=" + b"9" * 5000, b'{"name": "arm"}', b"<scene/>", b"name: arm\n",
+], ids=lambda content: repr(content[:12]))
+def test_files_that_are_no_scene(content):
+    assert outcome(content) is not None
+
+
+def test_windows_text_is_no_damage():
+    assert outcome(b"\xef\xbb\xbf" + ARM.replace("\n", "\r\n").encode()) is None
+
+
+# damage at random
+
+RANDOM = settings(
+    max_examples=150, deadline=None, derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+NAMES = st.sampled_from("mass inertia solid marker position output axis x start free name".split())
+ANYTHING = st.recursive(
+    st.integers() | st.floats() | st.booleans() | st.text(st.characters(codec="utf-8"), max_size=8),
+    lambda inner: st.lists(inner, max_size=6)
+    | st.dictionaries(NAMES | st.text(st.characters(codec="utf-8"), max_size=5), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@RANDOM
+@given(st.data())
+def test_anything_anywhere(data):
+    tables = tomllib.loads(data.draw(st.sampled_from(list(GOOD.values()))))
+    for _ in range(data.draw(st.integers(1, 3))):
+        path = data.draw(st.sampled_from(list(places(tables))))
+        tables = damage(tables, path, put(data.draw(ANYTHING)))
+        # what was put in is written as TOML and has no places of its own
+        tables = tomllib.loads(document(tables))
+    outcome(document(tables))
+
+
+@RANDOM
+@given(st.sampled_from(list(GOOD.values())), st.data())
+def test_bytes_changed_at_random(text, data):
+    content = bytearray(text.encode())
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(content) - 1))
+        length = data.draw(st.integers(0, 30))
+        content[start:start + length] = data.draw(st.binary(max_size=12))
+        if not content:
+            break
+    outcome(bytes(content))
+
+
+@RANDOM
+@given(ANYTHING)
+def test_anything_at_all_as_a_scene(value):
+    try:
+        Scene.model_validate(value)
+    except SceneError as error:
+        assert error.errors
+
+
+# what the messages say
+
+MESSAGES = [
+    (ARM, 'mass    = 2.0', 'mas = 2.0', [
+        '[body.upper] mas: unknown key; there is "mass", "com", "inertia", "inertia_axes", '
+        '"solid", "output", "input", "input_axes" and "marker". Did you mean "mass"?',
+    ]),
+    (ARM, 'mass    = 2.0', 'mass = -2.0', [
+        '[body.upper] mass: must be greater than 0, at least 1e-30; found -2.0',
+    ]),
+    (ARM, 'mass    = 2.0', 'mass = "2 kg"', [
+        '[body.upper] mass: needs a number, without quotes or a unit; found "2 kg"',
+    ]),
+    (ARM, 'mass    = 2.0', 'mass = 2 kg', [
+        'line 12, column 10: not valid TOML: Expected newline or end of document after a '
+        'statement in "mass = 2 kg"; a number stands as 0.5 without a unit, a comment after'
+        ' #',
+    ]),
+    (ARM, 'com     = [0, 0, -0.25]', 'com = [0, -0.25]', [
+        '[body.upper] com: needs 3 numbers [x, y, z], found [0, -0.25]',
+    ]),
+    (ARM, '[0.042, 0.042, 0.001]', '[0.042, 0.01, 0.001]', [
+        '[body.upper] inertia: no principal moment exceeds the sum of the other two on a '
+        'real body; the principal moments are [0.001, 0.01, 0.042]',
+    ]),
+    (ARM, '[0.042, 0.042, 0.001]', '[[1, 0, 0.1], [0, 1, 0], [0, 0, 1]]', [
+        '[body.upper] inertia: the matrix is not symmetric',
+    ]),
+    (ARM, 'inertia = [0.042, 0.042, 0.001]\n', '', [
+        '[body.upper] inertia is missing; for a point mass write inertia = [0, 0, 0]',
+    ]),
+    (ARM, '"upper.elbow"', '"upper.elbw"', [
+        '[joint.elbow] between: no marker "elbw" on body "upper"; it has "elbow" and "tip".'
+        ' Did you mean "upper.elbow"?',
+    ]),
+    (ARM, '"upper.elbow"', '"uper.elbow"', [
+        '[joint.elbow] between: no body "uper"; there is "upper", "lower" and "ground". Did'
+        ' you mean "upper.elbow"?',
+    ]),
+    (ARM, '"upper.elbow", "lower"', '"elbow", "lower"', [
+        '[joint.elbow] between: no body "elbow"; there is "upper", "lower" and "ground". '
+        '"elbow" is a joint. Did you mean "upper.elbow"?',
+    ]),
+    (ARM, '"upper.elbow", "lower"', '"upper.elbow", "upper"', [
+        '[joint.elbow] between: both ends are on "upper"; a joint acts between two bodies',
+    ]),
+    (ARM, '"upper.elbow", "lower"', '"upper.elbow"', [
+        '[joint.elbow] between: needs two ends, as in ["ground", "body.marker"]; found '
+        '["upper.elbow"]',
+    ]),
+    (ARM, '"upper.elbow", "lower"', '"upper.elbow", "ground"', [
+        '[body.lower] no chain of joints connects it to ground; to let it move freely, '
+        'write a joint with free = {} and between = ["ground", "lower"]',
+    ]),
+    (ARM, 'revolute = { axis = "y" }', 'revolut = { axis = "y" }', [
+        '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
+        '"spherical" or "free"; found "revolut", "between", "start", "input" and "output". '
+        'Did you mean "revolute"?',
+    ]),
+    (ARM, 'revolute = { axis = "y" }', 'revolute = {}\nfixed = {}', [
+        '[joint.shoulder] a joint is of one kind, found "revolute" and "fixed"; keep one of'
+        ' them',
+    ]),
+    (ARM, 'axis = "y"', 'axis = "+y"', [
+        '[joint.shoulder] revolute.axis: no axis "+y"; there are "x", "y", "z", "-x", "-y" '
+        'and "-z", and vectors [x, y, z]. Did you mean "y"?',
+    ]),
+    (ARM, 'angle_deg = 30', 'angle_rad = 0.5', [
+        '[joint.shoulder] start.angle_rad: unknown key; there is "angle", "angle_deg", '
+        '"speed", "speed_deg" and "speed_rpm". Did you mean "angle"?',
+    ]),
+    (ARM, '["angle", "speed"]', '["angel", "speed"]', [
+        '[joint.shoulder] output: no "angel" here; there is "angle", "speed" and '
+        '"acceleration". Did you mean "angle"?',
+    ]),
+    (ARM, '["angle", "speed"]', '"angle"', [
+        '[joint.shoulder] output: needs a list, found "angle"; write ["angle"]',
+    ]),
+    (ARM, 'zyx_deg = [90, 0, 0]', 'zyx = [90, 0, 0]', [
+        '[ground] marker.site.zyx: unknown key; there is "euler_parameters", "zyx_deg", '
+        '"zyx_rad", "axis_angle", "axes" and "position". Did you mean "zyx_deg" or '
+        '"zyx_rad"?',
+    ]),
+    (ARM, '[0, 0, 0, 1]', '[1, 0, 0, 1]', [
+        '[body.upper] inertia_axes.euler_parameters: Euler parameters [E1, E2, E3, E4], '
+        'scalar last, have unit length; found 1.41421',
+    ]),
+    (ARM, 'z = [0, 0, 1], x', 'z = "y", x', [
+        '[body.upper] marker.tip.axes: "z" and "x" are parallel',
+    ]),
+    (ARM, ', density = 2700', '', [
+        '[body.lower] solid.cylinder: needs "density" or "mass"',
+    ]),
+    (ARM, '[body.lower]', '[body.ground]', [
+        '[body.ground] "ground" is the inertial frame itself; use another name',
+        '[joint.elbow] between: no body "lower"; there is "upper" and "ground".',
+    ]),
+    (ARM, '[body.lower]', '[body.upper]', [
+        'line 19, column 12: not valid TOML: Cannot declare [body.upper] twice in '
+        '"[body.upper]"; write each table once',
+    ]),
+    (ARM, '[body.lower]', '[body.lower arm]', [
+        "line 19, column 13: not valid TOML: Expected ']' at the end of a table declaration"
+        ' in "[body.lower arm]"; a name with spaces stands in quotes, as in [body."blade '
+        '1"]',
+    ]),
+    (ARM, 'step = 1e-3\n', '', [
+        '[solver] rk4 needs a step, as in step = 1e-3',
+    ]),
+    (BARGE, 'inner_radius = 2.9', 'inner_radius = 3.1', [
+        '[body.hull] solid[2].tube.inner_radius: must be smaller than the radius 3.0, found'
+        ' 3.1',
+    ]),
+    (BARGE, 'spherical = {}', 'spherical = {}\ndamper = 0.1', [
+        '[joint.ball] damper: unknown key; there is "spherical", "between", "start", '
+        '"input" and "output".',
+    ]),
+    (BARGE, 'input_axes = "body"', 'input_axes = "global"', [
+        '[body.hull] input_axes: no "global" here; there is "inertial" and "body".',
+    ]),
+    (BARGE, 'input = ["force", "moment"]\n', '', [
+        '[body.hull] input_axes without an input; add input = ["force", "moment"]',
+    ]),
+    (BARGE, 'added_mass = [\n    [1, 0,', 'added_mass = [\n    [1, 0.5,', [
+        '[force.water] linear.added_mass: is not symmetric: [1][2] is 0.5, [2][1] is 0.0',
+    ]),
+    (BARGE, 'preload = [0, 0, 1e6, 0, 0, 0]', 'preload = [0, 0, 1e6]', [
+        '[force.water] linear.preload: needs 6 numbers [x, y, z, rx, ry, rz], found [0, 0, '
+        '1000000.0]',
+    ]),
+    (BARGE, 'water]\nbetween = ["ground",', 'water]\nbetween = ["weight",', [
+        '[force.water] with added_mass the first end must be "ground" or a marker of it, '
+        'found ["weight", "hull"]',
+    ]),
+    (BARGE, 'between = ["ground", "weight"]\n', '', [
+        '[force.line] between: is missing (the two ends, as in between = ["ground", '
+        '"body.marker"])',
+    ]),
+    (ARM, '"lower"]\n', '"lowr"]\nwhat = 1\n', [
+        '[joint.elbow] between: no body "lowr"; there is "upper", "lower" and "ground". '
+        'Did you mean "lower"?',
+        '[joint.elbow] what: unknown key; there is "revolute", "between", "start", "spring", '
+        '"damper", "input" and "output".',
+    ]),
+]
+
+
+@pytest.mark.parametrize("text, old, new, messages", MESSAGES)
+def test_messages(text, old, new, messages):
+    assert old in text
+    error = outcome(text.replace(old, new, 1))
+    assert error.errors == [f"a.toml: {message}" for message in messages]
+
+
+def test_messages_about_files(tmp_path):
+    (tmp_path / "folder").mkdir()
+    texts = {"folder": "is a folder", "none.toml": "there is no such file", "a\0b": "null"}
+    for name, text in texts.items():
+        with pytest.raises(SceneError) as info:
+            read_scene(tmp_path / name)
+        assert str(info.value).startswith(f"{tmp_path / name}: ")
+        assert text in str(info.value)
+
+    error = outcome(b'name = "ok"\ntitle = "\xe4"\n')
+    assert "line 2: not UTF-8 text (byte 0xe4); save it as UTF-8" in str(error)
+
+
+def test_all_errors_of_a_file_at_once_and_in_its_order():
+    text = ARM.replace("mass    =", "mas =").replace("radius = 0.02", "radius = -1")
+    text = text.replace('"torque"', '"torqe"').replace('"lower"]', '"lowr"]')
+    text = text.replace("1e-3", '"fast"')
+    error = outcome(text)
+    tables = [str(problem).split("] ")[0] for problem in error.problems]
+    assert tables == ["[solver", "[body.upper", "[body.lower", "[joint.shoulder", "[joint.elbow"]
+
+
+def test_clashing_names():
+    extra = """
+[body." lower "]
+mass = 1
+inertia = [0, 0, 0]
+"""
+    error = outcome(ARM + extra)
+    assert '[body." lower "] the name is the same as "lower" in an FMU' in str(error)
+
+    # a free joint and its body may have one name, but not variables of one name
+    text = BARGE.replace("sea", "hull").replace("input_axes", 'output = ["zyx"]\ninput_axes')
+    error = outcome(text)
+    said = "[joint.hull] output: the variable hull.zyx exists already, from [body.hull]"
+    assert said in str(error)
+    assert outcome(BARGE.replace("sea", "hull")) is None
