@@ -15,7 +15,7 @@
 
 #define FILE_NAME "model.bin"
 #define VERSION 1
-#define MAX_COUNT (INT64_C(1) << 31)      /* of any array: far beyond any model */
+#define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
 
 static const char MAGIC[8] = "mbdfmi\0\1";
 

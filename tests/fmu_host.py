@@ -1,0 +1,172 @@
+"""A master that speaks to an FMU without help: bare ctypes calls, statuses and log messages as they come."""
+
+import ctypes
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+
+import fmpy
+from fmpy.fmi2 import (
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2StepFinishedTYPE,
+)
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+MODEL_EXCHANGE, CO_SIMULATION = range(2)
+DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
+
+
+class Library:
+    """An unpacked FMU and its shared library."""
+
+    def __init__(self, fmu: Path, folder: Path):
+        fmpy.extract(str(fmu), str(folder))
+        self.folder = Path(folder)
+        self.description = fmpy.read_model_description(str(folder))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        identifier = self.description.coSimulation.modelIdentifier
+        self.path = self.folder / "binaries" / fmpy.platform / f"{identifier}{fmpy.sharedLibraryExtension}"
+        self.dll = ctypes.CDLL(str(self.path))
+        self.dll.fmi2Instantiate.restype = c_void_p
+        self.dll.fmi2FreeInstance.argtypes = [c_void_p]
+
+    def reference(self, name: str) -> int:
+        """Value reference of a variable."""
+        return self.variables[name].valueReference
+
+    def references(self, causality: str) -> list[int]:
+        """Value references of the inputs, outputs or parameters."""
+        return [v.valueReference for v in self.description.modelVariables if v.causality == causality]
+
+
+class Instance:
+    """One instance; every call returns its status. `component` is None when it was refused.
+
+    log : list of (status, category, message).
+    """
+
+    def __init__(self, library, name=b"it", guid=None, location=None, kind=CO_SIMULATION, logging=True, callbacks=True):
+        self.library = library
+        self.log = []
+        self.callbacks = fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(self._logger)
+        self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE()
+        self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE()
+        self.callbacks.stepFinished = fmi2StepFinishedTYPE()
+        guid = library.description.guid.encode() if guid is None else guid
+        location = (library.folder / "resources").as_uri().encode() if location is None else location
+        given = byref(self.callbacks) if callbacks else None
+        self.component = library.dll.fmi2Instantiate(
+            c_char_p(name), kind, c_char_p(guid or None), c_char_p(location or None), given, 0, int(logging)
+        )
+
+    def _logger(self, environment, name, status, category, message):
+        self.log.append((status, category.decode(), message.decode()))
+
+    @property
+    def message(self) -> str:
+        """The last message."""
+        return self.log[-1][2]
+
+    def call(self, function: str, *arguments) -> int:
+        """Status of a bare call; the component comes first by itself."""
+        return getattr(self.library.dll, function)(c_void_p(self.component), *arguments)
+
+    def free(self):
+        self.library.dll.fmi2FreeInstance(self.component)
+
+    # life
+
+    def setup(self, start=0.0, stop=None):
+        stop = (0, c_double(0)) if stop is None else (1, c_double(stop))
+        return self.call("fmi2SetupExperiment", 0, c_double(0), c_double(start), *stop)
+
+    def enter(self):
+        return self.call("fmi2EnterInitializationMode")
+
+    def exit(self):
+        return self.call("fmi2ExitInitializationMode")
+
+    def start(self, start=0.0, stop=None):
+        """Up to the first step."""
+        assert self.setup(start, stop) == self.enter() == self.exit() == OK
+        return self
+
+    def reset(self):
+        return self.call("fmi2Reset")
+
+    def terminate(self):
+        return self.call("fmi2Terminate")
+
+    # values
+
+    def set(self, values: dict[int | str, float]) -> int:
+        """By name or value reference."""
+        keys = [self.library.reference(k) if isinstance(k, str) else k for k in values]
+        n = len(keys)
+        return self.call("fmi2SetReal", (c_uint * n)(*keys), c_size_t(n), (c_double * n)(*values.values()))
+
+    def set_derivatives(self, name: str | int, order: int, value: float) -> int:
+        key = self.library.reference(name) if isinstance(name, str) else name
+        return self.call(
+            "fmi2SetRealInputDerivatives", (c_uint * 1)(key), c_size_t(1), (c_int * 1)(order), (c_double * 1)(value)
+        )
+
+    def get(self, *keys: int | str) -> tuple[int, list[float]]:
+        """Status and values."""
+        keys = [self.library.reference(k) if isinstance(k, str) else k for k in keys]
+        n = len(keys)
+        values = (c_double * n)()
+        return self.call("fmi2GetReal", (c_uint * n)(*keys), c_size_t(n), values), list(values)
+
+    def value(self, name: str) -> float:
+        status, values = self.get(name)
+        assert status == OK
+        return values[0]
+
+    def outputs(self) -> list[float]:
+        """All outputs; they must be had."""
+        status, values = self.get(*self.library.references("output"))
+        assert status == OK
+        return values
+
+    # steps
+
+    def step(self, t: float, H: float) -> int:
+        return self.call("fmi2DoStep", c_double(t), c_double(H), 0)
+
+    def last_successful_time(self) -> tuple[int, float]:
+        value = c_double(float("nan"))
+        return self.call("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(value)), value.value
+
+    def terminated(self) -> tuple[int, int]:
+        value = c_int(-1)
+        return self.call("fmi2GetBooleanStatus", TERMINATED, byref(value)), value.value
+
+    # snapshots
+
+    def save(self, snapshot: c_void_p | None = None) -> c_void_p:
+        snapshot = c_void_p() if snapshot is None else snapshot
+        assert self.call("fmi2GetFMUstate", byref(snapshot)) == OK
+        return snapshot
+
+    def restore(self, snapshot: c_void_p) -> int:
+        return self.call("fmi2SetFMUstate", snapshot)
+
+    def forget(self, snapshot: c_void_p) -> int:
+        return self.call("fmi2FreeFMUstate", byref(snapshot))
+
+    def serialise(self, snapshot: c_void_p) -> bytes:
+        size = c_size_t()
+        assert self.call("fmi2SerializedFMUstateSize", snapshot, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call("fmi2SerializeFMUstate", snapshot, data, size) == OK
+        return data.raw
+
+    def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
+        snapshot = c_void_p()
+        return self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(snapshot)), snapshot
+
+

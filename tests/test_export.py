@@ -1,0 +1,260 @@
+"""The FMU as a file: its library, description, archive, and what validators and foreign masters say."""
+
+import ctypes.util
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from elftools.elf.elffile import ELFFile
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from mbdfmi import simulate
+from mbdfmi.export import description, export_fmu, package
+from mbdfmi.export.aot import CompileError, compile_entries
+from mbdfmi.export.link import PLATFORMS, library
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene, read_scene
+from mbdfmi.units import UNITS
+
+SCENES = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
+
+
+@pytest.fixture(scope="module", params=SCENES, ids=lambda path: path.stem)
+def exported(request, tmp_path_factory):
+    """A model of models/ and its FMU."""
+    model = compile_scene(read_scene(request.param))
+    folder = tmp_path_factory.mktemp("fmu")
+    return model, export_fmu(model, folder / f"{model.identifier}.fmu", scene_file=request.param)
+
+
+@pytest.fixture(scope="module")
+def pendulum():
+    return compile_scene(read_scene(next(path for path in SCENES if path.stem == "pendulum")))
+
+
+def parse(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml"))
+
+
+# every model
+
+
+def test_validators_are_silent(exported):
+    _, fmu = exported
+    assert validate_fmu(str(fmu)) == []
+
+    done = subprocess.run(
+        [sys.executable, "-m", "fmu_manipulation_toolbox", "-input", str(fmu), "-check"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0
+    assert not re.search("ERROR|WARNING|CRITICAL", done.stdout + done.stderr), done.stdout + done.stderr
+
+
+def test_fmpy_runs_it_as_in_process(exported):
+    model, fmu = exported
+    rng = np.random.default_rng(0)
+    H, n = 0.01, 100
+    there = fmpy.simulate_fmu(str(fmu), stop_time=n * H, output_interval=H)
+    inside = simulate.simulate(model, n * H, H)
+
+    for v in model.of_causality("output"):
+        scale = np.abs(inside[v.name]).max() + 1
+        np.testing.assert_allclose(there[v.name], inside[v.name], rtol=1e-12, atol=1e-12 * scale)
+
+
+def test_variables_and_structure(exported):
+    model, fmu = exported
+    root = parse(fmu)
+    variables = root.findall("ModelVariables/ScalarVariable")
+    outputs = [i for i, v in enumerate(variables, 1) if v.get("causality") == "output"]
+
+    assert [v.get("name") for v in variables] == [v.name for v in model.variables]
+    assert [v.get("valueReference") for v in variables] == [str(i) for i in range(len(variables))]
+    assert all(v.get("description") for v in variables)
+
+    for section, dependencies in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
+        unknowns = root.findall(f"ModelStructure/{section}/Unknown")
+        assert [int(u.get("index")) for u in unknowns] == outputs
+
+        for u in unknowns:
+            given = u.get("dependencies")
+            assert given == given.strip()
+            expected = getattr(model.variables[int(u.get("index")) - 1], dependencies)
+            assert [int(k) - 1 for k in given.split()] == sorted(expected)
+
+
+def test_only_used_units_are_defined(exported):
+    model, fmu = exported
+    root = parse(fmu)
+    used = {real.get("unit") for real in root.iter("Real")} - {None}
+
+    assert {unit.get("name") for unit in root.iter("Unit")} == used
+    for unit in root.iter("Unit"):
+        exponents = {k: int(v) for k, v in unit.find("BaseUnit").attrib.items()}
+        expected = UNITS[unit.get("name")]
+        assert exponents == {k: n for k in ("kg", "m", "s", "rad") if (n := getattr(expected, k))}
+
+
+def test_documentation(exported):
+    model, fmu = exported
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+
+    text = "".join(etree.HTML(page).itertext())
+    for name in [*model.scene.body, *model.scene.joint, *(v.name for v in model.variables)]:
+        assert name in text
+
+
+# units
+
+
+def test_units_are_products_of_their_parts():
+    """The exponents of a unit follow from its name."""
+    for name, unit in UNITS.items():
+        total = np.zeros(4, int)
+        for sign, part in zip((1, -1), name.split("/")):
+            for factor in part.split("."):
+                base, power = re.fullmatch(r"([a-zA-Z]*|1)(\d?)", factor).groups()
+                if base != "1" and "/" in name or "." in name or power:
+                    known = UNITS[base or "1"]
+                    total += sign * int(power or 1) * np.array(known[:4])
+        if total.any():
+            assert tuple(total) == unit[:4], name
+
+
+# description
+
+
+def test_description_is_reproducible(pendulum, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    root = etree.fromstring(description.description(pendulum))
+
+    assert root.get("generationDateAndTime") == "1970-01-02T00:00:00Z"
+    assert root.get("variableNamingConvention") == "structured"
+    assert root.get("guid") == pendulum.guid
+
+
+def test_odd_names(tmp_path):
+    """Names that XML, the log and the naming convention have to quote."""
+    body = {"mass": 1, "inertia": [1, 1, 1], "input": ["force"], "output": ["position"]}
+    joint = {"free": {}, "between": ["ground", "a <b> & 100% #1 'x' ü"]}
+    scene = Scene(name="odd <name> & 5%", body={"a <b> & 100% #1 'x' ü": body}, joint={"j": joint})
+    fmu = export_fmu(compile_scene(scene), tmp_path / "odd.fmu")
+
+    assert validate_fmu(str(fmu)) == []
+    assert fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01).dtype.names[1].startswith("'a <b> & 100%")
+
+
+def test_invalid_description_is_refused(pendulum):
+    class Broken:
+        def __getattr__(self, name):
+            return getattr(pendulum, name)
+
+        guid = ""
+        identifier = "two\nlines"
+        variables = []
+
+    with pytest.raises(description.DescriptionError, match="modelDescription.xml of 'pendulum' is not valid"):
+        description.description(Broken())
+
+
+# archive
+
+
+def test_archive(exported):
+    model, fmu = exported
+    with zipfile.ZipFile(fmu) as archive:
+        names = archive.namelist()
+        icon = archive.read("model.png")
+        assert archive.testzip() is None
+
+    assert names[0] == "modelDescription.xml"
+    assert f"binaries/linux64/{model.identifier}.so" in names or not sys.platform.startswith("linux")
+    assert {"model.png", "documentation/index.html", "resources/model.bin"} < set(names)
+    assert any(name.startswith("resources/") and name.endswith(".toml") for name in names)
+    assert icon.startswith(b"\x89PNG\r\n")
+
+
+def test_export_is_reproducible(pendulum, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    first = export_fmu(pendulum, tmp_path / "a.fmu").read_bytes()
+    assert export_fmu(pendulum, tmp_path / "new" / "folder" / "b.fmu").read_bytes() == first
+
+
+def test_failed_export_leaves_nothing(pendulum, tmp_path, monkeypatch):
+    target = tmp_path / "a.fmu"
+    target.write_bytes(b"old")
+
+    def disk_full(*_):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(package.zipfile.ZipFile, "writestr", disk_full)
+    with pytest.raises(OSError, match="no space left"):
+        export_fmu(pendulum, target)
+    assert target.read_bytes() == b"old" and list(tmp_path.iterdir()) == [target]
+
+
+def test_unknown_platform(pendulum, tmp_path):
+    with pytest.raises(ValueError, match="unknown platform 'amiga': known are x86_64-linux"):
+        export_fmu(pendulum, tmp_path / "a.fmu", ["amiga"])
+    assert not (tmp_path / "a.fmu").exists()
+
+
+# library
+
+
+@pytest.fixture(scope="module")
+def linux_library():
+    return library("x86_64-linux")
+
+
+def fmi_functions():
+    """Names of all functions of FMI 2.0 for co-simulation, from the header."""
+    header = (Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h").read_text()
+    names = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", header))
+    model_exchange = (
+        "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime "
+        "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates"
+    )
+    return names - {f"fmi2{name}" for name in model_exchange.split()}
+
+
+def test_only_fmi_functions_leave_the_library(linux_library):
+    with linux_library.open("rb") as file:
+        symbols = list(ELFFile(file).get_section_by_name(".dynsym").iter_symbols())
+
+    exported = {s.name for s in symbols if s["st_shndx"] != "SHN_UNDEF"}
+    assert exported == fmi_functions()
+
+
+def test_library_needs_only_an_old_c_library(linux_library):
+    with linux_library.open("rb") as file:
+        elf = ELFFile(file)
+        needed = {tag.needed for tag in elf.get_section_by_name(".dynamic").iter_tags("DT_NEEDED")}
+        versions = [
+            version.name
+            for _, auxiliaries in elf.get_section_by_name(".gnu.version_r").iter_versions()
+            for version in auxiliaries
+        ]
+
+    assert needed == {"libc.so.6", "libm.so.6"}
+    assert max(tuple(map(int, v.removeprefix("GLIBC_").split("."))) for v in versions) <= (2, 17)
+
+
+def test_kernels_that_do_not_compile():
+    with pytest.raises(CompileError, match="mbdfmi.kernels.algebra:NOTHING"):
+        compile_entries("mbdfmi.kernels.algebra:NOTHING")
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_platform_table(platform):
+    assert PLATFORMS[platform].target.startswith(platform)
