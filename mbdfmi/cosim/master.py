@@ -116,9 +116,14 @@ class _Slave:
                 modelIdentifier=interface.modelIdentifier,
                 instanceName=self.name,
             )
+        except Exception as error:
+            rmtree(self.folder, ignore_errors=True)
+            raise CouplingError(f"{self.name}: its library cannot be loaded: {error}") from error
+
+        try:
             self.call("instantiate")
             self.call("setupExperiment", startTime=0.0, stopTime=self.until)
-        except BaseException:
+        except CouplingError:
             rmtree(self.folder, ignore_errors=True)
             raise
         return self
