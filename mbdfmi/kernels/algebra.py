@@ -299,7 +299,11 @@ def matrix_zyx(A):
     pitch = math.atan2(-A[2][0], cos_pitch)
 
     if cos_pitch > 1e-12:
-        return (math.atan2(A[1][0], A[0][0]), pitch, math.atan2(A[2][1], A[2][2]))
+        # roll after that very yaw, so that rounding near lock spoils neither their sum nor the orientation
+        c = A[0][0] / cos_pitch
+        s = A[1][0] / cos_pitch
+        roll = math.atan2(s * A[0][2] - c * A[1][2], c * A[1][1] - s * A[0][1])
+        return (math.atan2(s, c), pitch, roll)
 
     return (math.atan2(-A[0][1], A[1][1]), pitch, 0.0)
 
