@@ -1,0 +1,1 @@
+"""What is told about runs: speed, beside that of other libraries."""
