@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
+from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from mbdfmi.kernels import forces, integrate, tree
@@ -279,3 +280,8 @@ def body_motion(instance: Instance, accelerated: bool = False) -> dict[str, tupl
 def rotation(E) -> Rotation:
     """scipy's rotation of Euler parameters (scalar last in both)."""
     return Rotation.from_quat(E)
+
+
+def assert_near(actual, desired, atol=0.0, rtol=0.0):
+    """numpy's assert_allclose without its relative tolerance of 1e-7."""
+    assert_allclose(actual, desired, rtol=rtol, atol=atol)
