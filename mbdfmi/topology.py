@@ -36,15 +36,19 @@ def axes_with_z(axis):
 class Node:
     """One node of the tree, and the joint that hangs it on its parent.
 
+    joint : name of the user's joint that it belongs to; one of several axes makes a chain of nodes.
+    kind : of the kernels' joint kinds.
+    coordinate : where its coordinates stand among those of the user's joint.
+    reversed : the user's joint leads from its second marker to its first here.
     joint_frame : pose of the joint frame in the parent's frame (z along the joint's axis). The node's frame coincides
         with it at zero joint coordinates.
-    reversed : the joint's first marker is on this node.
-    bodies : the user's bodies in it.
+    bodies : the user's bodies in it; none inside a chain.
     """
 
     parent: int
     joint: str
     kind: str
+    coordinate: int
     reversed: bool
     joint_frame: tuple
     bodies: list[str] = field(default_factory=list)
@@ -52,15 +56,19 @@ class Node:
     @property
     def name(self) -> str:
         """What a message calls it: its bodies' names."""
-        return " + ".join(self.bodies)
+        return " + ".join(self.bodies) or self.joint
 
 
 @dataclass
 class Tree:
-    """Nodes, parents first, and where each of the user's bodies sits: body -> (node, pose in the node)."""
+    """Nodes, parents first, and where each of the user's bodies sits: body -> (node, pose in the node).
+
+    cuts : names of the joints that close loops.
+    """
 
     nodes: list[Node]
     home: dict[str, tuple[int, tuple]]
+    cuts: list[str]
 
     def marker(self, scene: Scene, name: str):
         """(node, pose in the node) of "body", "body.marker", "ground" or "ground.marker"."""
@@ -68,58 +76,130 @@ class Tree:
         node, pose = self.home[body]
         return node, compose(pose, (position, axes))
 
+    def joint_side(self, scene: Scene, name: str, side: int):
+        """(node, pose in the node) of a joint's first (0) or second (1) marker, z turned to the joint's axis there."""
+        joint = scene.joint[name]
+        body, position, axes = scene.marker_pose(joint.between[side])
+        node, pose = self.home[body]
+        axis = joint.axes[side] if joint.kind == "universal" else joint.axis
+        return node, compose(pose, (position, axes @ axes_with_z(axis)))
+
 
 def spanning_tree(scene: Scene) -> Tree:
-    """The tree of a scene whose joints form one.
+    """The spanning tree that leaves the fewest coordinates: joints of few freedoms are in it, those of many close loops.
 
-    Bodies come in the order in which joints of the file lead to them from the ground, depth first.
-
-    Raises SceneError where a joint closes a loop.
+    Joints with something of their own (spring, input, output, start, ...) are kept in the tree before others. Nodes come depth first, in
+    the order of the file.
     """
     welded = _weld(scene)
     group_of = {body: k for k, group in enumerate(welded) for body in group}
+    ends = {
+        name: [group_of[end.split(".")[0]] for end in joint.between]
+        for name, joint in scene.joint.items()
+        if joint.kind in FREEDOMS
+    }
+
+    # Kruskal's algorithm on groups
+    leader = list(range(len(welded)))
+
+    def find(k):
+        while leader[k] != k:
+            k = leader[k]
+
+        return k
+
     joints_at = [[] for _ in welded]
+    chosen = set()
 
-    for name, joint in scene.joint.items():
-        if joint.kind == "fixed":
-            continue
+    for name in sorted(ends, key=lambda name: _preference(scene.joint[name])):
+        a, b = ends[name]
 
-        ends = [group_of[end.split(".")[0]] for end in joint.between]
+        if find(a) != find(b):
+            leader[find(a)] = find(b)
+            chosen.add(name)
 
-        if ends[0] == ends[1]:
-            raise _loop_error(name, joint, "holds together what fixed joints already hold")
+    for name in ends:
+        if name in chosen:
+            for at, other in (ends[name], ends[name][::-1]):
+                joints_at[at].append((name, other))
 
-        for at, other in (ends, ends[::-1]):
-            joints_at[at].append((name, joint, other))
-
-    nodes = [Node(parent=-1, joint="", kind="", reversed=False, joint_frame=IDENTITY, bodies=["ground"])]
-    home = {body: (0, pose) for body, pose in welded[0].items()}
-    used = set()
-    reached = {0}
-    stack = [(0, name, joint, other) for name, joint, other in reversed(joints_at[0])]
+    cuts = [name for name, joint in scene.joint.items() if joint.kind != "fixed" and name not in chosen]
+    ground = Node(parent=-1, joint="", kind="", coordinate=0, reversed=False, joint_frame=IDENTITY, bodies=["ground"])
+    tree = Tree([ground], {body: (0, pose) for body, pose in welded[0].items()}, cuts)
+    stack = [(0, name, group) for name, group in reversed(joints_at[0])]
 
     while stack:
-        parent_group, name, joint, group = stack.pop()
+        parent, name, group = stack.pop()
+        _hang(scene, tree, name, parent, welded[group])
+        at = len(tree.nodes) - 1
+        stack += [(at, *rest) for rest in reversed(joints_at[group]) if rest[0] != name]
 
-        if name in used:
-            continue
+    return tree
 
-        used.add(name)
 
-        if group in reached:
-            raise _loop_error(name, joint, "closes a loop of joints")
+# freedoms of the joints that a tree can be made of
+FREEDOMS = {
+    "revolute": 1,
+    "prismatic": 1,
+    "screw": 1,
+    "cylindrical": 2,
+    "universal": 2,
+    "planar": 3,
+    "spherical": 3,
+    "translation": 3,
+    "free": 6,
+}
 
-        reached.add(group)
-        nodes.append(_hang(scene, name, joint, welded[group], home))
-        node = len(nodes) - 1
 
-        # the node's frame in the group's frame is the child side of the joint
-        to_node = inverse(_child_frame(scene, joint, nodes[node].reversed, welded[group]))
-        home |= {body: (node, compose(to_node, pose)) for body, pose in welded[group].items()}
-        nodes[node].bodies = list(welded[group])
-        stack += [(group, *rest) for rest in reversed(joints_at[group]) if rest[0] not in used]
+def _preference(joint):
+    """Sorts joints for the tree: those with something of their own, then few freedoms, then the file's order."""
+    own = joint.spring or joint.damper or joint.input or joint.output or "start" in joint.model_fields_set
+    return (FREEDOMS[joint.kind] == 6, not own, FREEDOMS[joint.kind])
 
-    return Tree(nodes, home)
+
+def chain(joint):
+    """A joint as simple motions one after another: list of (kind of the kernels, axis (3,) in the markers' axes)."""
+    if joint.kind in ("cylindrical", "screw"):
+        return [("prismatic", joint.axis), ("revolute", joint.axis)]
+
+    if joint.kind == "universal":
+        return [("revolute", axis) for axis in joint.axes]
+
+    if joint.kind == "planar":
+        x, y, normal = axes_with_z(joint.axis).T
+        return [("prismatic", x), ("prismatic", y), ("revolute", normal)]
+
+    if joint.kind == "translation":
+        return [("prismatic", axis) for axis in np.eye(3)]
+
+    return [(joint.kind, joint.axis if joint.kind in ("revolute", "prismatic") else np.array([0.0, 0.0, 1.0]))]
+
+
+def _hang(scene, tree, name, parent, group):
+    """Hang a group of bodies (body -> pose in the group's frame) on a node by a joint: one node for each of its motions."""
+    joint = scene.joint[name]
+    reverse = joint.between[0].split(".")[0] in group
+    near, far = joint.between[::-1] if reverse else joint.between
+
+    # backwards, a chain runs from its end along the opposite axes
+    motions = [(k, kind, -axis if reverse else axis) for k, (kind, axis) in enumerate(chain(joint))]
+    motions = motions[::-1] if reverse else motions
+    body, *pose = scene.marker_pose(near)
+    side = compose(tree.home[body][1], tuple(pose))
+
+    for k, kind, axis in motions:
+        turn = axes_with_z(axis)
+        node = Node(parent, name, kind, k, reverse, joint_frame=(side[0], side[1] @ turn))
+        tree.nodes.append(node)
+        parent = len(tree.nodes) - 1
+        side = (np.zeros(3), turn.T)
+
+    # the last node's frame in the group's frame is the far side of the joint
+    body, *pose = scene.marker_pose(far)
+    r, A = compose(group[body], tuple(pose))
+    to_node = inverse((r, A @ turn))
+    tree.home |= {body: (parent, compose(to_node, pose)) for body, pose in group.items()}
+    tree.nodes[parent].bodies = list(group)
 
 
 def _weld(scene):
@@ -130,60 +210,33 @@ def _weld(scene):
         if joint.kind == "fixed":
             (body_a, *pose_a), (body_b, *pose_b) = map(scene.marker_pose, joint.between)
             b_in_a = compose(tuple(pose_a), inverse(tuple(pose_b)))
-            neighbours[body_a].append((name, joint, body_b, b_in_a))
-            neighbours[body_b].append((name, joint, body_a, inverse(b_in_a)))
+            neighbours[body_a].append((name, body_b, b_in_a))
+            neighbours[body_b].append((name, body_a, inverse(b_in_a)))
 
     groups = []
-    seen = {}
+    placed = {}
 
     for first in neighbours:
-        if first in seen:
+        if first in placed:
             continue
 
-        seen[first] = IDENTITY
+        placed[first] = IDENTITY
         group = {first: IDENTITY}
         stack = [first]
 
         while stack:
             body = stack.pop()
 
-            for name, joint, other, pose in neighbours[body]:
-                pose = compose(seen[body], pose)
+            for name, other, pose in neighbours[body]:
+                pose = compose(placed[body], pose)
 
-                if other not in seen:
-                    seen[other] = group[other] = pose
+                if other not in placed:
+                    placed[other] = group[other] = pose
                     stack.append(other)
-                elif not all(np.allclose(p, s, atol=1e-9) for p, s in zip(pose, seen[other])):
-                    raise _loop_error(name, joint, "closes a loop of fixed joints that does not fit")
+                elif not all(np.allclose(p, s, atol=1e-9) for p, s in zip(pose, placed[other])):
+                    text = "holds its two ends where other fixed joints do not; correct a marker or remove it"
+                    raise SceneError([Problem(("joint", name), text)])
 
         groups.append(group)
 
     return groups
-
-
-def _joint_side(scene, end, joint, reverse, poses):
-    """Pose of one side of a joint, z along its axis, in the frame that `poses` (body -> pose) are in."""
-    body, position, axes = scene.marker_pose(end)
-    axis = -joint.axis if reverse else joint.axis
-    aligned = axes_with_z(axis) if joint.kind in ("revolute", "prismatic") else np.eye(3)
-    return compose(poses[body], (position, axes @ aligned))
-
-
-def _child_frame(scene, joint, reverse, poses):
-    return _joint_side(scene, joint.between[0 if reverse else 1], joint, reverse, poses)
-
-
-def _hang(scene, name, joint, group, home):
-    """The node of a group of bodies, hung by a joint on a body that has its home already."""
-    reverse = joint.between[0].split(".")[0] in group
-    end = joint.between[1 if reverse else 0]
-    parent = home[end.split(".")[0]][0]
-    poses = {body: pose for body, (node, pose) in home.items() if node == parent}
-    frame = _joint_side(scene, end, joint, reverse, poses)
-    return Node(parent=parent, joint=name, kind=joint.kind, reversed=reverse, joint_frame=frame)
-
-
-def _loop_error(name, joint, what):
-    first, second = joint.between
-    text = f'"{first}" and "{second}": {what}; closed loops are not supported yet, so remove this joint'
-    return SceneError([Problem(("joint", name, "between"), text)])

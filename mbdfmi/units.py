@@ -1,7 +1,7 @@
 """Units of the variables: SI base-unit exponents and the display units that a tool may offer.
 
-Names follow Modelica: `.` multiplies, `/` divides once by all that follows, a number after a name is
-its power.
+Names follow Modelica: `.` multiplies, `/` divides once by all that follows, a number after a name
+is its power.
 """
 
 from typing import NamedTuple

@@ -35,11 +35,13 @@ def compile_entries(entries: str = ENTRIES) -> str:
         environment = os.environ | {
             "NUMBA_CPU_NAME": "generic",
             "NUMBA_CPU_FEATURES": "",
+            "NUMBA_OPT": "1",  # zig optimises after linking
             "MBDFMI_CACHE": empty,
             "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
             "PYTHONHASHSEED": "0",
         }
-        done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+        command = [sys.executable, "-c", program]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True)
 
     if done.returncode:
         raise CompileError(f"the kernels ({entries}) do not compile:\n{done.stderr.strip()}")
@@ -48,7 +50,7 @@ def compile_entries(entries: str = ENTRIES) -> str:
 
 
 def source_files(entries: str = ENTRIES) -> list[Path]:
-    """Sources that the compiled entries depend on: all modules beside the table's own, and this one."""
+    """What the compiled entries depend on: all modules beside the table's own, and this one."""
     module = importlib.util.find_spec(entries.split(":")[0])
 
     return sorted(Path(module.origin).parent.glob("*.py")) + [Path(__file__)]
@@ -86,7 +88,9 @@ def _without_runtime(ir: str) -> str:
 
     Its bodies hold an instruction of one processor and call into numba's runtime.
     """
-    return re.sub(r"^(define [^\n]*@NRT_(?:incref|decref)\([^\n]*\{)\n.*?^\}", r"\1\n  ret void\n}", ir, flags=re.M | re.S)
+    body = re.compile(r"^(define [^\n]*@NRT_(?:incref|decref)\([^\n]*\{)\n.*?^\}", re.M | re.S)
+
+    return body.sub(r"\1\n  ret void\n}", ir)
 
 
 def _hide(module, entries: set[str]) -> None:

@@ -115,7 +115,7 @@ def _units(root, model) -> None:
         exponents = {"kg": unit.kg, "m": unit.m, "s": unit.s, "rad": unit.rad}
         element = etree.SubElement(definitions, "Unit", name=name)
 
-        etree.SubElement(element, "BaseUnit", {base: str(power) for base, power in exponents.items() if power})
+        etree.SubElement(element, "BaseUnit", {k: str(n) for k, n in exponents.items() if n})
         for display, factor in unit.display:
             etree.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
 
@@ -166,4 +166,5 @@ def _structure(root, model) -> None:
         element = etree.SubElement(structure, section)
         for index, variable in outputs:
             known = sorted(reference + 1 for reference in getattr(variable, dependencies))
-            etree.SubElement(element, "Unknown", index=str(index), dependencies=" ".join(map(str, known)))
+            known = " ".join(map(str, known))
+            etree.SubElement(element, "Unknown", index=str(index), dependencies=known)

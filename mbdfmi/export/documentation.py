@@ -8,23 +8,33 @@ from lxml.builder import E
 from .description import generation_time, tool_version
 
 _STYLE = """
-body { font: 15px/1.5 system-ui, sans-serif; color: #1c2b3a; max-width: 62em; margin: 2em auto; padding: 0 1em }
+body { font: 15px/1.5 system-ui, sans-serif; color: #1c2b3a; max-width: 62em; margin: 2em auto }
 h1 { margin-bottom: 0 } h2 { margin-top: 2em; border-bottom: 1px solid #cfd9e2 }
 .title { font-size: 1.15em; color: #4a6072; margin-top: 0 }
 table { border-collapse: collapse; width: 100% }
-th, td { text-align: left; padding: .25em .8em .25em 0; border-bottom: 1px solid #e6ecf1; vertical-align: top }
+th, td { text-align: left; vertical-align: top; padding: .25em .8em .25em 0 }
+tr { border-bottom: 1px solid #e6ecf1 }
 code { font-size: .92em }
 """
 
 _HEADINGS = {
-    "input": ("Inputs", "Held over a communication step, or polynomials of it when the master gives derivatives."),
-    "output": ("Outputs", "Values at the communication point."),
-    "parameter": ("Parameters", "Tunable ones may be changed between steps, fixed ones before the simulation."),
+    "input": (
+        "Inputs",
+        "Held over a communication step, or polynomials of time when the master gives derivatives.",
+    ),
+    "output": (
+        "Outputs",
+        "Values at the communication point.",
+    ),
+    "parameter": (
+        "Parameters",
+        "Tunable ones may be changed between steps, fixed ones before the simulation.",
+    ),
 }
 
 
 def documentation(model, platforms: Iterable[str]) -> bytes:
-    """The page of a model whose FMU is made for the given platforms: UTF-8 HTML without scripts or links."""
+    """The page, UTF-8, of a model whose FMU is made for the given platforms."""
     page = E.html(
         E.head(E.meta(charset="utf-8"), E.title(model.name), E.style(_STYLE)),
         E.body(
@@ -52,8 +62,8 @@ def _what_it_is(model, platforms) -> list:
     }
     return [
         E.h2("What this is"),
-        E.p("A rigid multibody system with its own solver. Units are SI, angles are radians, orientations are "
-            "Euler parameters with the scalar part last."),
+        E.p("A rigid multibody system with its own solver. Units are SI, angles are radians, "
+            "orientations are Euler parameters with the scalar part last."),
         E.table(*(E.tr(E.th(name), E.td(text)) for name, text in facts.items())),
     ]  # fmt: skip
 
@@ -65,8 +75,10 @@ def _contents(scene) -> list:
         mass, com, _ = body.mass_properties()
         bodies.append([name, f"{mass:.6g}", ", ".join(f"{x:.6g}" for x in com)])
 
-    joints = [[name, joint.kind, " to ".join(joint.between)] for name, joint in scene.joint.items()]
-    forces = [[name, force.kind.replace("_", "-"), " to ".join(force.between)] for name, force in scene.force.items()]
+    joints = [[name, j.kind, " to ".join(j.between)] for name, j in scene.joint.items()]
+    forces = [
+        [name, f.kind.replace("_", "-"), " to ".join(f.between)] for name, f in scene.force.items()
+    ]
 
     return [
         *_section("Bodies", ["Name", "Mass, kg", "Centre of mass, m"], bodies),
@@ -88,11 +100,12 @@ def _variables(model, causality: str) -> list:
     """The table of the variables of one causality."""
     heading, text = _HEADINGS[causality]
     head = ["Name", "Unit", "Description"]
-    rows = [[E.code(v.name), v.unit or "", v.description or ""] for v in model.of_causality(causality)]
+    variables = model.of_causality(causality)
+    rows = [[E.code(v.name), v.unit or "", v.description] for v in variables]
 
     if causality == "parameter":
         head += ["Value", "Variability"]
-        for row, v in zip(rows, model.of_causality(causality)):
+        for row, v in zip(rows, variables):
             row += [f"{v.start:.10g}", v.variability]
 
     return _section(heading, head, rows, text)
@@ -101,11 +114,11 @@ def _variables(model, causality: str) -> list:
 def _solver(solver) -> str:
     """The solver in a sentence."""
     if solver.integrator == "rk4":
-        return f"Classical Runge-Kutta method of order 4, fixed inner step of at most {solver.step:g} s."
+        return f"Classical Runge-Kutta method of order 4, inner steps of at most {solver.step:g} s."
 
     return (
-        "Embedded Runge-Kutta pair of order 5(4) with adaptive inner steps, "
-        f"relative tolerance {solver.tolerance:g}, absolute tolerance {solver.absolute_tolerance:g}."
+        "Embedded Runge-Kutta pair of order 5(4) with adaptive inner steps, relative tolerance "
+        f"{solver.tolerance:g}, absolute tolerance {solver.absolute_tolerance:g}."
     )
 
 
@@ -113,14 +126,15 @@ def _use() -> list:
     return [
         E.h2("Use"),
         E.ul(
-            E.li("Any communication step size, also changing from step to step; the solver takes its own steps "
-                 "inside it."),
-            E.li("The state can be saved, restored and serialised; a restored run repeats to the last bit."),
+            E.li("Any communication step size, also changing from step to step; the solver takes "
+                 "its own steps inside it."),
+            E.li("The state can be saved, restored and serialised; a restored run repeats to the "
+                 "last bit."),
             E.li("Several instances may run in one process, in different threads."),
             E.li("A step that cannot be completed returns fmi2Discard with the time reached "
                  "(fmi2LastSuccessfulTime) and fmi2Terminated; the log says why and where."),
         ),
         E.h2("Licence"),
-        E.p("The library in this FMU is part of mbdfmi, BSD 2-Clause licence, and comes without any warranty. "
-            "The model in it belongs to whoever wrote its scene."),
+        E.p("The library in this FMU is part of mbdfmi, BSD 2-Clause licence, and comes without "
+            "any warranty. The model in it belongs to whoever wrote its scene."),
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The shared library of an FMU: the C wrapper and the compiled kernels, linked by zig for any platform.
+"""The shared library of an FMU: C wrapper and compiled kernels, linked by zig for any platform.
 
 The library is the same for every scene. It is built once per version and platform and kept in the
 cache folder under a hash of all that it is made of.
@@ -36,11 +36,14 @@ PLATFORMS: dict[str, Platform] = {
     "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib"),
     "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin", "darwin64"), ".dylib"),
 }
-"""Platforms that a library can be linked for, on any of them. darwin64 is Intel's by the standard, but
-some tools look nowhere else on the newer Macs."""
+"""Platforms that a library can be linked for, on any of them.
+
+darwin64 is Intel's by the standard, but some tools look nowhere else on the newer Macs.
+"""
 
 FLAGS = (
-    "-shared", "-std=c99", "-O2", "-s", "-fPIC", "-fvisibility=hidden", "-fno-sanitize=all", "-ffp-contract=off",
+    "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-z,defs", "-s",
+    "-std=c99", "-O2", "-ffp-contract=off", "-fno-sanitize=all",
     "-Wall", "-Wextra", "-Wno-override-module",
 )  # fmt: skip
 
@@ -54,8 +57,8 @@ def library(
 ) -> Path:
     """The FMU library for a platform (a key of PLATFORMS): from the cache, or built into it.
 
-    `progress` is told in a few words when something takes long. Raises aot.CompileError, LinkError,
-    and ValueError for a platform that is not known.
+    `progress` is told in a few words when something takes long. Raises aot.CompileError,
+    LinkError, and ValueError for a platform that is not known.
     """
     if platform not in PLATFORMS:
         raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
@@ -80,7 +83,7 @@ def library(
 
 
 def wrapper_folder() -> Path:
-    """The folder of the C wrapper: inside an installed package, beside the package in the repository."""
+    """The folder of the C wrapper: inside the installed package, beside it in the repository."""
     package = Path(__file__).parents[1]
     installed = package / "fmu_src"
 
@@ -94,7 +97,10 @@ def _headers() -> Path:
 
 def _wrapper_files() -> list[Path]:
     """All that a library is made of beside the kernels."""
-    return [*sorted(wrapper_folder().glob("*.[ch]")), *sorted(_headers().glob("fmi2*.h")), Path(__file__)]
+    wrapper = sorted(wrapper_folder().glob("*.[ch]"))
+    headers = sorted(_headers().glob("fmi2*.h"))
+
+    return [*wrapper, *headers, Path(__file__)]
 
 
 def _hash(files: list[Path], *texts: str) -> str:
@@ -111,9 +117,9 @@ def _link(platform: Platform, kernels: Path, library: Path) -> None:
     """Links a platform's library from the wrapper and the kernels (LLVM IR)."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / f"fmu{platform.suffix}"
+        sources = [*sorted(wrapper_folder().glob("*.c")), kernels]
         command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
-        command += [f"-I{_headers()}", *map(str, sorted(wrapper_folder().glob("*.c"))), str(kernels)]
-        command += ["-lm", "-o", str(output)]
+        command += [f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]
 
         # zig keeps what it builds of a platform's C library
         environment = os.environ | {

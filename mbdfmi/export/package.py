@@ -31,12 +31,12 @@ def export_fmu(
     entries     where the kernels are, "module:table"
     progress    is told in a few words when something takes long
 
-    The file is written whole or not at all. With SOURCE_DATE_EPOCH set, the same model gives the same
-    bytes. Raises OSError, ValueError (unknown platform), aot.CompileError, link.LinkError and
-    description.DescriptionError.
+    The file is written whole or not at all. With SOURCE_DATE_EPOCH set, the same model gives the
+    same bytes. Raises OSError, ValueError (unknown platform), aot.CompileError, link.LinkError
+    and description.DescriptionError.
     """
     path = Path(path)
-    chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: where folders clash, it stays
+    chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
     files = {
         "modelDescription.xml": description(model),
@@ -59,21 +59,22 @@ def export_fmu(
 
 def host_platform() -> str:
     """The key of link.PLATFORMS for this machine; ValueError when it has none."""
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(host.machine().lower(), host.machine().lower())
-    system = {"darwin": "macos"}.get(host.system().lower(), host.system().lower())
+    machine, system = host.machine().lower(), host.system().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    system = {"darwin": "macos"}.get(system, system)
+    name = f"{machine}-{system}"
 
-    if f"{machine}-{system}" not in PLATFORMS:
-        raise ValueError(f"no FMU can be made for {machine}-{system} yet: known are {', '.join(PLATFORMS)}")
+    if name not in PLATFORMS:
+        raise ValueError(f"no FMU can be made for {name} yet: known are {', '.join(PLATFORMS)}")
 
-    return f"{machine}-{system}"
+    return name
 
 
 def _write_archive(path: Path, files: dict[str, bytes]) -> None:
-    """Writes a zip file whole or not at all, its bytes depending on nothing but the contents and the
-    generation time."""
+    """Writes a zip file whose bytes follow from the contents and the generation time alone."""
     time = max(generation_time().timetuple()[:6], (1980, 1, 1, 0, 0, 0))  # zip knows no earlier
 
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name, data in files.items():
             entry = zipfile.ZipInfo(name, time)
             entry.compress_type = zipfile.ZIP_DEFLATED

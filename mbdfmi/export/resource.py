@@ -12,15 +12,15 @@ _VERSION = 1
 
 
 def resource(model, messages: dict[int, str]) -> bytes:
-    """The resource file of a model: sizes, arrays, names; `messages` are the texts of status codes.
+    """The resource file of a model: sizes, arrays, names; `messages` are texts of status codes.
 
-    The layout (little endian) is described in fmu_src/resource.h. Raises ValueError when the model
-    contradicts itself.
+    The layout (little endian) is described in fmu_src/resource.h. Raises ValueError when the
+    variables do not come in the order of value references.
     """
-    parameters = [v for v in model.variables if v.causality == "parameter"]
-    causalities = [v.causality for v in model.variables]
+    parameters = model.of_causality("parameter")
+    ordered = [*model.of_causality("input"), *model.of_causality("output"), *parameters]
 
-    if causalities != ["input"] * model.n_u + ["output"] * model.n_y + ["parameter"] * len(parameters):
+    if list(model.variables) != ordered:
         raise ValueError("the variables must be the inputs, then the outputs, then the parameters")
 
     names = [v.name for v in model.variables]

@@ -11,6 +11,9 @@ from .language import inlined
 ZERO3 = (0.0, 0.0, 0.0)
 IDENTITY3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
+# a difference that is this small beside what it is the difference of holds no digit
+ROUNDING = 1e-14
+
 
 @inlined
 def add(a, b):
@@ -205,8 +208,13 @@ def sym_solve(F, b):
 
 @inlined
 def sym_is_positive(F):
-    """True when all pivots of F = sym_factor(S) are positive (False for NaN)."""
-    return F[0] > 0.0 and F[1] > 0.0 and F[2] > 0.0
+    """True when all pivots of F = sym_factor(S) are positive beyond rounding (False for NaN).
+
+    A pivot is what is left of its diagonal element: S_kk = d_k + sum_j l_kj^2 d_j.
+    """
+    yy = F[1] + F[3] * F[3] * F[0]
+    zz = F[2] + F[4] * F[4] * F[0] + F[5] * F[5] * F[1]
+    return F[0] > 0.0 and F[1] > ROUNDING * yy and F[2] > ROUNDING * zz
 
 
 # Euler parameters

@@ -5,7 +5,7 @@
 
 from numba import types
 
-from . import forces, integrate, joints, outputs, prepare, tree
+from . import constraints, forces, integrate, joints, outputs, prepare, project, tableaux, tree
 from .language import inlined, kernel
 from .status import BAD_START_ORIENTATION, OK, status
 from .views import INTS, REALS, data_view, model_view
@@ -31,7 +31,7 @@ def initialise(m, d, t0):
         if not joints.start(m, d, i):
             return status(BAD_START_ORIENTATION, i)
 
-    return OK
+    return project.project(m, d)
 
 
 @inlined
@@ -52,8 +52,10 @@ def step(m, d, H):
 
     if m.integrator == integrate.RK4:
         failure, reached = integrate.rk4(m, d, H)
+    elif m.integrator == integrate.RK54:
+        failure, reached = integrate.adaptive(m, d, H, tableaux.PAIR_54)
     else:
-        failure, reached = integrate.rk54(m, d, H)
+        failure, reached = integrate.adaptive(m, d, H, tableaux.PAIR_853)
 
     advance_time(d, reached)
     return failure
@@ -70,6 +72,9 @@ def compute_outputs(m, d, y):
         tree.inertias(m, d)
         forces.apply(m, d)
         failure = tree.aba(m, d)
+
+        if m.n_row > 0 and failure == OK:
+            constraints.constrain(m, d)
     else:
         tree.kinematics(m, d)
 

@@ -6,16 +6,8 @@ All need kinematics; `apply` adds to what `inertias` began with weight.
 import math
 
 from . import algebra as al
-from . import markers
+from . import coordinates, markers
 from .language import inlined, kernel
-
-
-@inlined
-def add_wrench(m, d, i, r, moment, force):
-    """A wrench on body i at the point r (m, in O): moment (N m) and force (N) in inertial axes."""
-    lever = al.sub(r, al.vec3(d.r, i))
-    al.add_vec3(d.moment, i, al.add(moment, al.cross(lever, force)))
-    al.add_vec3(d.force, i, force)
 
 
 @inlined
@@ -134,30 +126,30 @@ def apply(m, d):
         d.tau[v] = 0.0
 
     for k in range(m.n_joint_spring):
-        i = m.joint_spring_body[k]
-        stretch = d.x[m.body_q[i]] - m.joint_rest[k]
-        speed = d.x[m.n_q + m.body_v[i]]
-        d.tau[m.body_v[i]] -= m.joint_stiffness[k] * stretch + m.joint_damping[k] * speed
+        c = m.joint_spring_coordinate[k]
+        stretch = coordinates.value(m, d, c) - m.joint_rest[k]
+        effort = m.joint_stiffness[k] * stretch + m.joint_damping[k] * coordinates.rate(m, d, c)
+        coordinates.add_effort(m, d, c, -effort)
 
     for k in range(m.n_effort_input):
-        d.tau[m.effort_v[k]] += d.input[m.effort_u[k]]
+        coordinates.add_effort(m, d, m.effort_coordinate[k], d.input[m.effort_u[k]])
 
     for k in range(m.n_strut):
         a = m.strut_from[k]
         b = m.strut_to[k]
         length, direction, tension = strut(m, d, k)
         pull = al.scale(tension, direction)
-        add_wrench(m, d, m.marker_body[a], markers.position(m, d, a), al.ZERO3, pull)
-        add_wrench(m, d, m.marker_body[b], markers.position(m, d, b), al.ZERO3, al.neg(pull))
+        markers.add_wrench(m, d, m.marker_body[a], markers.position(m, d, a), al.ZERO3, pull)
+        markers.add_wrench(m, d, m.marker_body[b], markers.position(m, d, b), al.ZERO3, al.neg(pull))
 
     for k in range(m.n_linear):
         b = m.linear_to[k]
         r = markers.position(m, d, b)
         moment, force = linear_wrench(m, d, k)
-        add_wrench(m, d, m.marker_body[b], r, moment, force)
+        markers.add_wrench(m, d, m.marker_body[b], r, moment, force)
 
         # the reaction acts at the material point that is there now
-        add_wrench(m, d, m.marker_body[m.linear_from[k]], r, al.neg(moment), al.neg(force))
+        markers.add_wrench(m, d, m.marker_body[m.linear_from[k]], r, al.neg(moment), al.neg(force))
 
     for k in range(m.n_wrench_input):
         b = m.wrench_marker[k]
@@ -176,10 +168,10 @@ def apply(m, d):
             moment = al.mat_vec(A, moment)
 
         r = markers.position(m, d, b)
-        add_wrench(m, d, m.marker_body[b], r, moment, force)
+        markers.add_wrench(m, d, m.marker_body[b], r, moment, force)
 
         if m.wrench_reaction[k] >= 0:
-            add_wrench(m, d, m.marker_body[m.wrench_reaction[k]], r, al.neg(moment), al.neg(force))
+            markers.add_wrench(m, d, m.marker_body[m.wrench_reaction[k]], r, al.neg(moment), al.neg(force))
 
 
 @kernel
@@ -188,7 +180,7 @@ def spring_energy(m, d):
     energy = 0.0
 
     for k in range(m.n_joint_spring):
-        stretch = d.x[m.body_q[m.joint_spring_body[k]]] - m.joint_rest[k]
+        stretch = coordinates.value(m, d, m.joint_spring_coordinate[k]) - m.joint_rest[k]
         energy += 0.5 * m.joint_stiffness[k] * stretch * stretch
 
     for k in range(m.n_strut):

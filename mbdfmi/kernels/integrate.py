@@ -1,43 +1,26 @@
 """Steppers: x' = f(x, u(s)) over a communication step, then project(x).
 
-After each accepted inner step Euler parameters are brought back to unit length. Time inside a communication
-step is counted from its start, so results do not depend on how a master sums its time.
+After each accepted inner step the state is projected: Euler parameters to unit length, positions and velocities
+onto the constraints. Time inside a communication step is counted from its start, so results do not depend on
+how a master sums its time.
 """
 
 import math
 
-import numpy as np
-
 from . import algebra as al
-from . import forces, joints, tree
+from . import constraints, forces, joints, tree
 from .language import inlined, kernel
+from .project import project
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
+from .tableaux import ERRORS, NODES, ORDER, PAIR_54, PAIR_853, STAGE_COUNT, STAGES
 
 RK4 = 0
 RK54 = 1
+RK853 = 2
 
-INTEGRATORS = {"rk4": RK4, "rk54": RK54}
+INTEGRATORS = {"rk4": RK4, "rk54": RK54, "rk853": RK853}
 
-# Dormand and Prince, J. Comp. Appl. Math. 6 (1980) 19-26: nodes, stages by rows (the last is the result of
-# order 5, so the last stage is the first of the next step), and its difference from the result of order 4
-N_STAGE = 7
-NODES = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
-STAGES = np.array(
-    [
-        [0, 0, 0, 0, 0, 0],
-        [1 / 5, 0, 0, 0, 0, 0],
-        [3 / 40, 9 / 40, 0, 0, 0, 0],
-        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
-        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
-)
-ERROR = np.array(
-    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
-)
-
-# step-size control after Hairer, Norsett, Wanner, Solving ODEs I, section II.4: PI controller
+# step-size control after Hairer, Norsett, Wanner, Solving ODEs I, section II.4: PI controller for order 5
 SAFETY = 0.9
 PI_BETA = 0.04
 SHRINK = 0.2
@@ -65,21 +48,12 @@ def evaluate(m, d, s):
         joints.position_rates(m, d, i)
 
     d.evaluations[0] += 1.0
-    return tree.aba(m, d)
+    failure = tree.aba(m, d)
 
+    if m.n_row > 0 and failure == OK:
+        constraints.constrain(m, d)
 
-@inlined
-def project(m, d, rate):
-    """Euler parameters of d.x to unit length; their rates, from element `rate` of the stages on, likewise."""
-    for i in range(1, m.n_body):
-        k = joints.E_offset(m.body_joint[i])
-
-        if k >= 0:
-            k += m.body_q[i]
-            E = al.E_at(d.x, k)
-            s = 1.0 / math.sqrt(al.E_dot(E, E))
-            al.set_E_at(d.x, k, al.E_scale(s, E))
-            al.set_E_at(d.stage, rate + k, al.E_scale(s, al.E_at(d.stage, rate + k)))
+    return failure
 
 
 @inlined
@@ -153,7 +127,12 @@ def rk4(m, d, H):
             restore_x(m, d)
             return status(NOT_FINITE, 0), s
 
-        project(m, d, 0)
+        failure = project(m, d)
+
+        if failure != OK:
+            restore_x(m, d)
+            return failure, s
+
         d.steps[0] += 1.0
 
     return OK, H
@@ -199,11 +178,73 @@ def first_step(m, d, H):
     return min(h, H)
 
 
-@kernel
-def rk54(m, d, H):
-    """Dormand-Prince method of order 5(4) with adaptive inner steps over H (s).
+@inlined
+def advance(m, d, pair, stage, step):
+    """d.x for a stage of a pair, from x_before and the rates of the stages before."""
+    n = m.n_x
 
-    The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns (status, time reached within H).
+    for k in range(n):
+        slope = 0.0
+
+        for j in range(stage):
+            slope += STAGES[pair, stage, j] * d.stage[j * n + k]
+
+        d.x[k] = d.x_before[k] + step * slope
+
+
+@inlined
+def local_error(m, d, pair, step):
+    """Estimated error of a step, 1: just allowed. Root mean square over the weighed states.
+
+    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (Hairer, Norsett, Wanner I, eq. II.10.17).
+    """
+    n = m.n_x
+    squares = 0.0
+    rough = 0.0
+
+    for k in range(n):
+        fine = 0.0
+        coarse = 0.0
+
+        for j in range(STAGE_COUNT[pair]):
+            fine += ERRORS[pair, 0, j] * d.stage[j * n + k]
+            coarse += ERRORS[pair, 1, j] * d.stage[j * n + k]
+
+        fine /= d.x_scale[k]
+        coarse /= d.x_scale[k]
+        squares += fine * fine
+        rough += coarse * coarse
+
+    if squares == 0.0:
+        return 0.0
+
+    return step * squares / math.sqrt((squares + 0.01 * rough) * n)
+
+
+@inlined
+def keep_last_rate(m, d, pair):
+    """The last stage becomes the first of the next step: unit length changed the rates of Euler parameters alone."""
+    n = m.n_x
+    last = (STAGE_COUNT[pair] - 1) * n
+
+    for k in range(n):
+        d.stage[k] = d.stage[last + k]
+
+    for i in range(1, m.n_body):
+        k = joints.E_offset(m.body_joint[i])
+
+        if k >= 0:
+            k += m.body_q[i]
+            rate = al.E_rate(al.E_at(d.x, k), al.vec_at(d.x, m.n_q + m.body_v[i] + joints.E_offset(m.body_joint[i])))
+            al.set_E_at(d.stage, k, rate)
+
+
+@kernel
+def adaptive(m, d, H, pair):
+    """An explicit Runge-Kutta pair with adaptive inner steps over H (s).
+
+    The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns
+    (status, time reached within H).
     """
     n = m.n_x
     s = 0.0
@@ -216,6 +257,8 @@ def rk54(m, d, H):
     weigh(m, d)
     h = d.next_step[0]
     error_before = 1e-4
+    power = 1.0 / ORDER[pair]
+    beta = PI_BETA if pair == PAIR_54 else 0.0
 
     if not h > 0.0:
         h = first_step(m, d, H)
@@ -227,46 +270,37 @@ def rk54(m, d, H):
         step = left if cut else h
         set_x_before(m, d)
 
-        for stage in range(1, N_STAGE):
-            for k in range(n):
-                slope = 0.0
-
-                for j in range(stage):
-                    slope += STAGES[stage, j] * d.stage[j * n + k]
-
-                d.x[k] = d.x_before[k] + step * slope
-
-            failure = evaluate(m, d, s + NODES[stage] * step)
+        for stage in range(1, STAGE_COUNT[pair]):
+            advance(m, d, pair, stage, step)
+            failure = evaluate(m, d, s + NODES[pair, stage] * step)
 
             if failure != OK:
                 break
 
             store_rate(m, d, stage)
 
-        error = 0.0
-
-        for k in range(n):
-            local = 0.0
-
-            for j in range(N_STAGE):
-                local += ERROR[j] * d.stage[j * n + k]
-
-            local = step * local / d.x_scale[k]
-            error += local * local
-
-        error = math.sqrt(error / max(n, 1))
+        error = local_error(m, d, pair, step)
         finite = failure == OK and error < math.inf and is_finite(d, n)
 
         if finite and error <= 1.0:
-            s = H if cut else s + step
-            project(m, d, (N_STAGE - 1) * n)
+            failure = project(m, d)
+            finite = failure == OK
 
-            for k in range(n):
-                d.stage[k] = d.stage[(N_STAGE - 1) * n + k]
+        if finite and error <= 1.0:
+            s = H if cut else s + step
+
+            if m.n_row == 0:
+                keep_last_rate(m, d, pair)
+            else:
+                failure = evaluate(m, d, s)
+                store_rate(m, d, 0)
+
+                if failure != OK:
+                    return failure, s
 
             weigh(m, d)
             d.steps[0] += 1.0
-            factor = SAFETY * max(error, 1e-10) ** -(0.2 - 0.75 * PI_BETA) * error_before**PI_BETA
+            factor = SAFETY * max(error, 1e-10) ** -(power - 0.75 * beta) * error_before**beta
             proposed = step * min(GROW, max(SHRINK, factor))
             error_before = max(error, 1e-4)
 
@@ -276,7 +310,7 @@ def rk54(m, d, H):
         else:
             restore_x(m, d)
             d.rejected[0] += 1.0
-            h = step * (max(SHRINK, SAFETY * error**-0.2) if finite else 0.1)
+            h = step * (max(SHRINK, SAFETY * error**-power) if finite else 0.1)
 
             if h < 1e-13 * H:
                 if finite:

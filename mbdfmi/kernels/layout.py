@@ -12,6 +12,8 @@ axes and taken about the origin of their body.
 
 from typing import NamedTuple
 
+from .tableaux import N_STAGE
+
 COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
@@ -19,11 +21,17 @@ COUNTS = (
     "n_x",  # integrated states: n_q + n_v
     "n_solid",  # the user's bodies, each fixed in a node
     "n_marker",
+    "n_coordinate",  # joint coordinates that something refers to
     "n_joint_spring",
     "n_strut",  # spring-dampers between two markers
     "n_linear",  # 6x6 forces between two markers
     "n_wrench_input",
     "n_effort_input",
+    "n_constraint",  # joints that close loops, rolling, couplings
+    "n_row",  # their scalar equations
+    "n_path",  # nodes between the constraints and the ground, summed
+    "n_reach",  # values of all rows' responses in the joints between
+    "n_envelope",  # values of the rows' inverse inertia, within its envelope
     "n_output",  # blocks of outputs
     "n_u",  # scalar inputs
     "n_y",  # scalar outputs
@@ -52,7 +60,11 @@ ARRAYS = (
     Row("body_reversed", "ints", 1, "n_body", "1: the joint's first marker is on this body, not the parent"),
     Row("solid_body", "ints", 1, "n_solid", "node"),
     Row("marker_body", "ints", 1, "n_marker", "node"),
-    Row("joint_spring_body", "ints", 1, "n_joint_spring", "node whose joint it acts in"),
+    Row("coordinate_kind", "ints", 1, "n_coordinate", "see coordinates.py"),
+    Row("coordinate_body", "ints", 1, "n_coordinate", "node, of a joint in the tree"),
+    Row("coordinate_from", "ints", 1, "n_coordinate", "first marker, of a joint that closes a loop"),
+    Row("coordinate_to", "ints", 1, "n_coordinate", "second marker"),
+    Row("joint_spring_coordinate", "ints", 1, "n_joint_spring", "coordinate it acts along"),
     Row("strut_from", "ints", 1, "n_strut", "first marker"),
     Row("strut_to", "ints", 1, "n_strut", "second marker"),
     Row("linear_from", "ints", 1, "n_linear", "first marker, whose axes the force is given in"),
@@ -63,8 +75,24 @@ ARRAYS = (
     Row("wrench_axes", "ints", 1, "n_wrench_input", "marker in whose axes it is given, -1: inertial"),
     Row("wrench_force", "ints", 1, "n_wrench_input", "first of the force's 3 inputs, -1: none"),
     Row("wrench_moment", "ints", 1, "n_wrench_input", "first of the moment's 3 inputs, -1: none"),
-    Row("effort_v", "ints", 1, "n_effort_input", "velocity coordinate it drives"),
+    Row("effort_coordinate", "ints", 1, "n_effort_input", "coordinate it acts along"),
     Row("effort_u", "ints", 1, "n_effort_input", "input"),
+    Row("constraint_from", "ints", 1, "n_constraint", "first marker"),
+    Row("constraint_to", "ints", 1, "n_constraint", "second marker"),
+    Row("constraint_row", "ints", 1, "n_constraint", "first row"),
+    Row("constraint_rows", "ints", 1, "n_constraint", "number of rows"),
+    Row("constraint_path", "ints", 1, "n_constraint", "first of the nodes between it and the ground"),
+    Row("constraint_paths", "ints", 1, "n_constraint", "number of these nodes"),
+    Row("constraint_reach", "ints", 1, "n_constraint", "first value of its first row's response"),
+    Row("constraint_width", "ints", 1, "n_constraint", "values in a row's response"),
+    Row("path_node", "ints", 1, "n_path", "node, ascending within a constraint"),
+    Row("path_at", "ints", 1, "n_path", "where the node's joint stands in a row's response"),
+    Row("row_constraint", "ints", 1, "n_row", "constraint"),
+    Row("row_kind", "ints", 1, "n_row", "see constraints.py"),
+    Row("row_i", "ints", 1, "n_row", "axis of the first marker, or node of the first coordinate"),
+    Row("row_j", "ints", 1, "n_row", "axis of the second marker, or node of the second coordinate"),
+    Row("row_first", "ints", 1, "n_row", "first row whose response meets this one's"),
+    Row("row_envelope", "ints", 1, "n_row", "where that product stands in the envelope"),
     Row("output_kind", "ints", 1, "n_output", "see outputs.py"),
     Row("output_a", "ints", 1, "n_output", "what it is about: node, marker or force"),
     Row("output_b", "ints", 1, "n_output", "second marker, where there is one"),
@@ -90,6 +118,8 @@ ARRAYS = (
     Row("linear_damping", "reals", 36, "n_linear", "6x6 by rows"),
     Row("linear_added", "reals", 36, "n_linear", "6x6 by rows, in the second marker's axes"),
     Row("linear_preload", "reals", 6, "n_linear", "N, N m"),
+    Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
+    Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     # constants
     Row("body_r", "reals", 3, "n_body", "m, joint frame in the parent's frame"),
     Row("body_A", "reals", 9, "n_body", "joint axes to the parent's axes"),
@@ -110,6 +140,8 @@ ARRAYS = (
     Row("body_added_I", "state", 6, "n_body", "added inertia, moment from angular acceleration, in the node"),
     Row("body_added_H", "state", 9, "n_body", "added inertia, moment from acceleration"),
     Row("body_added_M", "state", 6, "n_body", "added mass, force from acceleration"),
+    Row("coordinate_last", "state", 1, "n_coordinate", "value after the last accepted inner step"),
+    Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
     # work: inputs and rates
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
@@ -142,12 +174,33 @@ ARRAYS = (
     Row("bias_force", "work", 3, "n_body", "articulated bias wrench"),
     Row("U_w", "work", 3, "n_body", "I_a S, moment (one-dof joints)"),
     Row("U_r", "work", 3, "n_body", "I_a S, force (one-dof joints)"),
-    Row("D", "work", 6, "n_body", "factor of S^T I_a S"),
+    Row("D", "work", 6, "n_body", "factor of S^T I_a S; free joints: of I_a - H_a M_a^-1 H_a^T"),
+    Row("D_M", "work", 6, "n_body", "factor of M_a (free joints)"),
+    Row("N", "work", 9, "n_body", "H_a M_a^-1 (free joints)"),
     Row("effort", "work", 3, "n_body", "S-projected effort left for acceleration"),
+    # work: constraint rows, as wrenches about the origins of their two bodies, inertial axes
+    Row("row_moment_from", "work", 3, "n_row", "on the first marker's body"),
+    Row("row_force_from", "work", 3, "n_row", ""),
+    Row("row_moment_to", "work", 3, "n_row", "on the second marker's body"),
+    Row("row_force_to", "work", 3, "n_row", ""),
+    Row("row_gap", "work", 1, "n_row", "position residual g"),
+    Row("row_rate", "work", 1, "n_row", "velocity residual g'"),
+    Row("row_bias", "work", 1, "n_row", "g'' at zero accelerations of the bodies"),
+    Row("multiplier", "work", 1, "n_row", "lambda: the row's wrenches times it act on the bodies"),
+    Row("row_left", "work", 1, "n_row", "right-hand side of the rows"),
+    Row("reach", "work", 1, "n_reach", "response of the joints to each row, whitened"),
+    Row("envelope", "work", 1, "n_envelope", "C M^-1 C^T, then its factor L"),
+    Row("pivot", "work", 1, "n_row", "1 / D of the factor, 0: row dropped"),
+    Row("passed_moment", "work", 3, "n_body", "wrench on its way to the ground"),
+    Row("passed_force", "work", 3, "n_body", ""),
+    Row("white", "work", 1, "n_v", "whitened effort"),
+    Row("change", "work", 1, "n_v", "response in velocity coordinates"),
+    Row("change_alpha", "work", 3, "n_body", "response of the nodes"),
+    Row("change_rdd", "work", 3, "n_body", ""),
     # work: steppers
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
     Row("x_scale", "work", 1, "n_x", "error weights"),
-    Row("stage", "work", 7, "n_x", "rates of the stages"),
+    Row("stage", "work", N_STAGE, "n_x", "rates of the stages"),
 )
 
 BUFFERS = ("ints", "reals", "state", "work")

@@ -36,6 +36,23 @@ def point_velocity(m, d, i, r):
 
 
 @inlined
+def point_acceleration(m, d, i, r):
+    """Acceleration (m/s2, in O) of the point of body i that is now at r (m, in O); needs the bodies' accelerations."""
+    lever = al.sub(r, al.vec3(d.r, i))
+    w = al.vec3(d.w, i)
+    turned = al.add(al.cross(al.vec3(d.alpha, i), lever), al.cross(w, al.cross(w, lever)))
+    return al.add(al.vec3(d.rdd, i), turned)
+
+
+@inlined
+def add_wrench(m, d, i, r, moment, force):
+    """A wrench on body i at the point r (m, in O): moment (N m) and force (N) in inertial axes."""
+    lever = al.sub(r, al.vec3(d.r, i))
+    al.add_vec3(d.moment, i, al.add(moment, al.cross(lever, force)))
+    al.add_vec3(d.force, i, force)
+
+
+@inlined
 def velocity(m, d, k):
     """Velocity of marker k's origin (m/s, in O)."""
     i = m.marker_body[k]
@@ -93,3 +110,14 @@ def relative_angular_acceleration(m, d, a, b):
     w_a = angular_velocity(m, d, a)
     turned = al.sub(al.vec3(d.alpha, m.marker_body[b]), al.vec3(d.alpha, m.marker_body[a]))
     return al.matT_vec(axes(m, d, a), al.sub(turned, al.cross(w_a, angular_velocity(m, d, b))))
+
+
+@inlined
+def relative_acceleration(m, d, a, b):
+    """Acceleration of marker b's origin as seen from a, in a's axes (m/s2): second derivative of relative_position."""
+    body_a = m.marker_body[a]
+    r = position(m, d, b)
+    w_a = al.vec3(d.w, body_a)
+    seen = al.sub(velocity(m, d, b), point_velocity(m, d, body_a, r))
+    total = al.sub(point_acceleration(m, d, m.marker_body[b], r), point_acceleration(m, d, body_a, r))
+    return al.matT_vec(axes(m, d, a), al.sub(total, al.scale(2.0, al.cross(w_a, seen))))

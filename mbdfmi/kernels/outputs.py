@@ -4,10 +4,10 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 """
 
 from . import algebra as al
-from . import forces, markers, tree
+from . import coordinates, forces, markers, tree
 from .language import kernel
 
-# of body a's joint
+# of joint coordinate a
 COORDINATE = 0
 RATE = 1
 ACCELERATION = 2
@@ -44,13 +44,13 @@ def write_outputs(m, d, y):
         at = m.output_y[k]
 
         if kind == COORDINATE:
-            y[at] = d.x[m.body_q[a]]
+            y[at] = coordinates.value(m, d, a)
 
         elif kind == RATE:
-            y[at] = d.x[m.n_q + m.body_v[a]]
+            y[at] = coordinates.rate(m, d, a)
 
         elif kind == ACCELERATION:
-            y[at] = d.x_rate[m.n_q + m.body_v[a]]
+            y[at] = coordinates.acceleration(m, d, a)
 
         elif kind == POSITION:
             al.set_vec_at(y, at, markers.relative_position(m, d, a, b))

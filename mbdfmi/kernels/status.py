@@ -13,6 +13,7 @@ BAD_MASS = 4
 BAD_START_ORIENTATION = 5
 BAD_SOLVER_SETTING = 6
 BAD_INERTIA = 7
+LOOP_OPEN = 8
 
 MESSAGES = {
     NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
@@ -23,6 +24,7 @@ MESSAGES = {
     BAD_MASS: "the mass of %s is negative",
     BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
     BAD_SOLVER_SETTING: "the solver's step or tolerance is not positive",
+    LOOP_OPEN: "the loop cannot be closed at %s",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }
 

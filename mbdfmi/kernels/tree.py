@@ -157,25 +157,25 @@ def start_articulated(m, d):
 
 
 @inlined
-def free_solve(I, H, M, moment, force):
-    """(alpha, rdd) of [I H; H^T M] (alpha, rdd) = (moment, force), and whether M, then I - H M^-1 H^T are positive."""
-    F_M = al.sym_factor(M)
-    N0 = al.sym_solve(F_M, H[0])
-    N1 = al.sym_solve(F_M, H[1])
-    N2 = al.sym_solve(F_M, H[2])
+def free_factor(d, i):
+    """Factor the 6x6 inertia of a body on a free joint: D_M of M, N = H M^-1, D of I - N H^T. True when positive."""
+    I = al.sym3(d.I_a, i)
+    H = al.mat3(d.H_a, i)
+    F_M = al.sym_factor(al.sym3(d.M_a, i))
+    N = (al.sym_solve(F_M, H[0]), al.sym_solve(F_M, H[1]), al.sym_solve(F_M, H[2]))
     reduced = (
-        I[0] - al.dot(H[0], N0),
-        I[1] - al.dot(H[1], N1),
-        I[2] - al.dot(H[2], N2),
-        I[3] - al.dot(H[0], N1),
-        I[4] - al.dot(H[0], N2),
-        I[5] - al.dot(H[1], N2),
+        I[0] - al.dot(H[0], N[0]),
+        I[1] - al.dot(H[1], N[1]),
+        I[2] - al.dot(H[2], N[2]),
+        I[3] - al.dot(H[0], N[1]),
+        I[4] - al.dot(H[0], N[2]),
+        I[5] - al.dot(H[1], N[2]),
     )
     F_I = al.sym_factor(reduced)
-    freely = al.sym_solve(F_M, force)
-    alpha = al.sym_solve(F_I, al.sub(moment, al.mat_vec(H, freely)))
-    rdd = al.sub(freely, al.matT_vec((N0, N1, N2), alpha))
-    return alpha, rdd, al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
+    al.set_sym3(d.D_M, i, F_M)
+    al.set_mat3(d.N, i, N)
+    al.set_sym3(d.D, i, F_I)
+    return al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
 
 
 @kernel
@@ -219,13 +219,15 @@ def aba(m, d):
                 U_r = al.matT_vec(H, axis)
                 D = al.dot(axis, U_w)
                 effort = d.tau[v] - al.dot(axis, moment)
+                most = I[0] + I[1] + I[2]
             else:
                 U_w = al.mat_vec(H, axis)
                 U_r = al.sym_vec(M, axis)
                 D = al.dot(axis, U_r)
                 effort = d.tau[v] - al.dot(axis, force)
+                most = M[0] + M[1] + M[2]
 
-            if not D > 0.0:
+            if not D > al.ROUNDING * most:
                 return status(SINGULAR_INERTIA, i)
 
             al.set_vec3(d.U_w, i, U_w)
@@ -274,6 +276,9 @@ def aba(m, d):
             al.set_vec3(d.U_w, i, al.sub(torque, moment))
             al.set_vec3(d.U_r, i, al.sub(push, force))
 
+            if not free_factor(d, i):
+                return status(SINGULAR_INERTIA, i)
+
             if parent > 0:
                 add_shifted_wrench(d, parent, arm, torque, push)
 
@@ -310,13 +315,10 @@ def aba(m, d):
             alpha = turned
 
         else:
-            turned, moved, positive = free_solve(
-                al.sym3(d.I_a, i), al.mat3(d.H_a, i), al.sym3(d.M_a, i), al.vec3(d.U_w, i), al.vec3(d.U_r, i)
-            )
-
-            if not positive:
-                return status(SINGULAR_INERTIA, i)
-
+            N = al.mat3(d.N, i)
+            force = al.vec3(d.U_r, i)
+            turned = al.sym_solve(al.sym3(d.D, i), al.sub(al.vec3(d.U_w, i), al.mat_vec(N, force)))
+            moved = al.sub(al.sym_solve(al.sym3(d.D_M, i), force), al.matT_vec(N, turned))
             F_axes = al.mat3(d.joint_axes, i)
             al.set_vec_at(d.x_rate, v, al.matT_vec(F_axes, al.sub(moved, rdd)))
             al.set_vec_at(d.x_rate, v + 3, al.matT_vec(F_axes, al.sub(turned, alpha)))

@@ -3,14 +3,22 @@
 from .bodies import Body, Ground, GroundMarker, Marker
 from .errors import Problem, SceneError
 from .forces import Force, Linear, SpringDamper
-from .joints import Fixed, Free, Joint, Prismatic, Revolute, Spherical
+from .constraints import (
+    Distance, KnifeEdge, PointOnLine, PointOnPlane, RollingDisk, RollingSphere,
+)
+from .joints import (
+    Cylindrical, Fixed, Free, Joint, Planar, Prismatic, Revolute, Screw, Spherical, Translation,
+    Universal,
+)
 from .names import fmi_name
 from .reader import parse_scene, read_scene
 from .schema import Scene, Solver
 from .writer import write_scene
 
 __all__ = [
-    "Body", "Fixed", "Force", "Free", "Ground", "GroundMarker", "Joint", "Linear", "Marker",
-    "Prismatic", "Problem", "Revolute", "Scene", "SceneError", "Solver", "Spherical",
-    "SpringDamper", "fmi_name", "parse_scene", "read_scene", "write_scene",
+    "Body", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Ground", "GroundMarker", "Joint",
+    "KnifeEdge", "Linear", "Marker", "Planar", "PointOnLine", "PointOnPlane", "Prismatic",
+    "Problem", "Revolute", "RollingDisk", "RollingSphere", "Scene", "SceneError", "Screw",
+    "Solver", "Spherical", "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene",
+    "read_scene", "write_scene",
 ]

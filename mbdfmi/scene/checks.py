@@ -7,8 +7,9 @@ its message from the schema.
 
 from pydantic import BaseModel
 
+from .constraints import CONSTRAINTS
 from .errors import NAMED_TABLES, Problem, did_you_mean, listed, place_text, quoted
-from .names import fmi_name
+from .names import FRAMES, fmi_name
 
 
 def cross_references(data):
@@ -34,8 +35,9 @@ def cross_references(data):
 
     markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
     markers["ground"] = _plain_entries(ground, "marker")
+    markers["inertial"] = []
 
-    edges = []
+    edges, slack = [], {}
     all_clear = True
     for table in ("joint", "force"):
         for name, entry in _entries(data, table).items():
@@ -44,12 +46,15 @@ def cross_references(data):
             problems += [Problem((table, name, "between"), text) for text in wrong]
 
             if table == "joint":
-                edges.append({end[0] for end in ends})
                 all_clear = all_clear and ends and not wrong
+                if kind := _constraint_kind(entry):
+                    slack |= {end[0]: (name, kind) for end in ends}
+                else:
+                    edges.append({end[0] for end in ends})
 
     # while a joint's ends are in doubt, so is what hangs on it
     if all_clear:
-        problems += _loose_bodies(bodies, edges)
+        problems += _loose_bodies(bodies, edges, slack)
     return problems
 
 
@@ -144,9 +149,15 @@ def _shared_names(joints, forces):
 def _wrong_ends(table, ends, markers, joints):
     """Texts about the ends of a joint or force; markers is {body: its markers}."""
     wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
-    if ends and not wrong and ends[0][0] == ends[1][0]:
-        return [f"both ends are on {quoted(ends[0][0])}; a {table} acts between two bodies"]
-    return wrong
+    if not ends or wrong:
+        return wrong
+
+    first, second = (end[0] for end in ends)
+    if first == second:
+        return [f"both ends are on {quoted(first)}; a {table} acts between two bodies"]
+    if first in FRAMES and second in FRAMES:
+        return [f"neither end is on a body; a {table} acts on one at least"]
+    return []
 
 
 def _wrong_end(end, markers, joints):
@@ -156,7 +167,8 @@ def _wrong_end(end, markers, joints):
         return None
 
     if body in markers:
-        owner = "the ground" if body == "ground" else f"body {quoted(body)}"
+        frames = {"ground": "the ground", "inertial": "the inertial frame"}
+        owner = frames.get(body, f"body {quoted(body)}")
         text = f"no marker {quoted(end[1])} on {owner}; it has {listed(markers[body]) or 'none'}."
         return text + did_you_mean(written, [name for name in known if name.startswith(body + ".")])
 
@@ -169,19 +181,34 @@ def _wrong_end(end, markers, joints):
     return text + did_you_mean(same[0] if same else written, known)
 
 
-def _loose_bodies(bodies, edges):
-    """Problems of bodies from which no chain of joints leads to ground."""
-    reached, before = {"ground"}, None
+def _constraint_kind(joint):
+    """The kind of a joint that only constrains, or None."""
+    kinds = (cls.kind for cls in CONSTRAINTS)
+    return next((kind for kind in kinds if _get(joint, kind) is not None), None)
+
+
+def _loose_bodies(bodies, edges, slack):
+    """Problems of bodies from which no chain of joints leads to ground.
+
+    edges : sets of two bodies that a joint connects.
+    slack : {body: (name, kind) of a joint that only constrains it}.
+    """
+    reached, before = set(FRAMES), None
     while reached != before:
         before = reached
         reached = reached.union(*(edge for edge in edges if edge & reached))
 
-    return [
-        Problem(
-            ("body", name),
-            "no chain of joints connects it to ground; to let it move freely, write a joint "
-            f'with free = {{}} and between = ["ground", {quoted(_plain(name))}]',
-        )
-        for name in bodies
-        if _plain(name) not in reached
-    ]
+    problems = []
+    for name in bodies:
+        plain = _plain(name)
+        if plain not in reached:
+            text = "no chain of joints connects it to ground"
+            if plain in slack:
+                joint, kind = slack[plain]
+                text += f" ({quoted(joint)} is {kind}, which only takes freedoms away)"
+            text += (
+                "; to let it move freely, write a joint with free = {} and "
+                f'between = ["ground", {quoted(plain)}]'
+            )
+            problems.append(Problem(("body", name), text))
+    return problems

@@ -39,6 +39,12 @@ def _positive(value):
     return number(value)
 
 
+def _not_zero(value):
+    if abs(number(value)) < SMALLEST:
+        raise ValueError(f"must not be 0, nor below 1e-30; found {show(value)}")
+    return number(value)
+
+
 def _not_negative(value):
     if number(value) < 0:
         raise ValueError(f"must not be negative, found {show(value)}")
@@ -48,6 +54,7 @@ def _not_negative(value):
 Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, BeforeValidator(_positive)]
 NotNegative = Annotated[float, BeforeValidator(_not_negative)]
+NotZero = Annotated[float, BeforeValidator(_not_zero)]
 
 
 # arrays
@@ -86,6 +93,7 @@ def Array(*shapes, what):
     return Annotated[tuple, BeforeValidator(lambda value: array(value, *shapes, what=what))]
 
 
+Vector2 = Array((2,), what="2 numbers [x, y]")
 Vector = Array((3,), what="3 numbers [x, y, z]")
 Matrix6 = Array((6, 6), what="a 6x6 matrix, 6 rows of 6 numbers")
 Vector6 = Array((6,), what="6 numbers [x, y, z, rx, ry, rz]")
@@ -93,7 +101,8 @@ Vector6 = Array((6,), what="6 numbers [x, y, z, rx, ry, rz]")
 
 # axes
 
-def _axis(value):
+def axis(value):
+    """An axis as a name or as a vector with a direction, or ValueError."""
     if isinstance(value, str):
         if value not in AXES:
             raise ValueError(
@@ -108,7 +117,7 @@ def _axis(value):
     return vector
 
 
-Axis = Annotated[str | tuple, BeforeValidator(_axis)]
+Axis = Annotated[str | tuple, BeforeValidator(axis)]
 
 
 def unit_vector(axis):
@@ -134,10 +143,12 @@ def OneOf(*options):
     return Annotated[str, BeforeValidator(lambda value: _choice(value, options))]
 
 
-def SomeOf(*options):
-    """The type of a list of options, each at most once."""
+def SomeOf(*options, bare=False):
+    """The type of a list of options, each at most once; `bare`: one may stand without the list."""
 
     def validate(value):
+        if isinstance(value, str) and bare:
+            value = [value]
         if isinstance(value, str):
             raise ValueError(f"needs a list, found {show(value)}; write [{show(value)}]")
         if not isinstance(value, (list, tuple)):
@@ -151,6 +162,20 @@ def SomeOf(*options):
         return chosen
 
     return Annotated[list[str], BeforeValidator(validate)]
+
+
+# values in one of several units
+
+UNITS = {"": 1.0, "_deg": np.pi / 180, "_rpm": np.pi / 30}
+
+
+def in_si(part, key, default=0.0):
+    """The value of a part's key in SI units, by whichever of key, key_deg, key_rpm it is given."""
+    for unit, factor in UNITS.items():
+        value = getattr(part, key + unit, None)
+        if value is not None:
+            return factor * np.array(value)
+    return default
 
 
 # tables
@@ -216,7 +241,8 @@ def by_key(what, *classes):
         if not given:
             near = next(filter(None, (did_you_mean(key, kinds) for key in value)), "")
             found = f"found {listed(value)}" if value else "found an empty table"
-            raise ValueError(f"{what} needs one of {listed(kinds, 'or')}; {found}.{near}")
+            options = listed(kinds, "or", limit=len(kinds))
+            raise ValueError(f"{what} needs one of {options}; {found}.{near}")
         return value
 
     def tag(value):

@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
+from .ends import BETWEEN, Between, stands_still
 from .errors import show
 from .fields import Matrix6, NotNegative, Part, SomeOf, Vector6, by_key
-from .joints import BETWEEN, Between
 
 
 class SpringDamperOptions(Part):
@@ -118,7 +118,7 @@ class Linear(ForceBase):
     @model_validator(mode="after")
     def _check_added_mass(self):
         # the inertia of the second body alone takes it up
-        if self.linear.added_mass is not None and self.between[0].split(".")[0] != "ground":
+        if self.linear.added_mass is not None and not stands_still(self.between[0]):
             raise ValueError(
                 'with added_mass the first end must be "ground" or a marker of it, '
                 f"found {show(self.between)}"

@@ -14,6 +14,10 @@ IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 QUOTABLE = frozenset("!#$%&()*+,-./:;<>=?@[]^{}|~ _")
 ESCAPED = frozenset("'\"\\")
 
+# Names that frames have already: that of the assembly, which a motion may be prescribed for, and
+# the one at rest.
+FRAMES = ("ground", "inertial")
+
 
 def fmi_name(text):
     """The text as one part of a structured FMI 2.0 variable name.
@@ -70,8 +74,8 @@ def _name(value):
         )
     if not is_printable(name):
         raise ValueError("a name has no control characters")
-    if name == "ground":
-        raise ValueError('"ground" is the inertial frame itself; use another name')
+    if name in FRAMES:
+        raise ValueError(f"{quoted(name)} is the name of a frame that is always there; use another")
     return name
 
 

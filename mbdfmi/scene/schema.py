@@ -17,13 +17,15 @@ from .writer import toml_text
 class Solver(Part):
     """How time advances inside a communication step.
 
-    integrator : "rk4", of fixed step, or "rk54", adaptive.
+    integrator : "rk4", of fixed step, or adaptive: "rk54", of order 5, "rk853", of order 8.
+    formulation : "recursive", "embedding", "augmented", or "auto", the cheapest of them.
     step : s, of rk4.
-    tolerance, absolute_tolerance : of rk54, relative and absolute.
-    max_step : s, of rk54, or None.
+    tolerance, absolute_tolerance : of the adaptive ones, relative and absolute.
+    max_step : s, of the adaptive ones, or None.
     """
 
-    integrator: OneOf("rk4", "rk54") = "rk54"
+    integrator: OneOf("rk4", "rk54", "rk853") = "rk54"
+    formulation: OneOf("auto", "recursive", "embedding", "augmented") = "auto"
     step: Positive | None = None
     tolerance: Positive = 1e-8
     absolute_tolerance: Positive = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
@@ -33,8 +35,11 @@ class Solver(Part):
     def _check_integrator(self):
         if self.integrator == "rk4" and self.step is None:
             raise ValueError("rk4 needs a step, as in step = 1e-3")
-        if self.integrator == "rk54" and self.step is not None:
-            raise ValueError('rk54 chooses its step itself; write max_step, or integrator = "rk4"')
+        if self.integrator != "rk4" and self.step is not None:
+            raise ValueError(
+                f"{self.integrator} chooses its step itself; write max_step, or "
+                'integrator = "rk4"'
+            )
 
         for key in ("tolerance", "absolute_tolerance", "max_step"):
             if self.integrator == "rk4" and key in self.model_fields_set:
@@ -98,9 +103,10 @@ class Scene(Part):
         return scene
 
     def marker_pose(self, end):
-        """Where an end ("body", "body.marker", "ground", "ground.marker") is.
+        """Where an end ("body", "body.marker", "ground", "ground.marker", "inertial") is.
 
-        Returns (name of the body or "ground", position (3,) in m, A (3, 3)) in that body's frame.
+        Returns (name of the body, "ground" or "inertial", position (3,) in m, A (3, 3)) in the
+        frame of that.
         Raises KeyError for an end that is not there.
         """
         owner, _, marker = end.partition(".")

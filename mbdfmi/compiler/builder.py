@@ -1,0 +1,217 @@
+"""What the parts of a scene are collected into while they become a model."""
+
+import numpy as np
+
+from ..kernels import coordinates, layout, outputs
+from ..kernels.joints import KINDS, N_Q, N_V
+from ..scene import Problem, Scene, SceneError
+from ..topology import Tree
+from ..variables import Variable, subscripts
+
+
+class Table:
+    """Rows of the arrays that share a count, collected one object at a time."""
+
+    def __init__(self):
+        self.columns = {}
+        self.length = 0
+
+    def add(self, **values):
+        """One more object, its values by array name; returns its index."""
+        for name, value in values.items():
+            self.columns.setdefault(name, []).append(np.ravel(value))
+
+        self.length += 1
+        return self.length - 1
+
+
+class Builder:
+    """Tables, markers, coordinates and variables of a model in the making.
+
+    q, v : first position and velocity coordinate of each node; n_q, n_v : their numbers.
+    joint_nodes : joint -> its nodes, in the order of the joint's own coordinates.
+    single : arrays that belong to no table, by name; counts : numbers that are no table's length.
+    constraint_names : joints or couplings in the order of the constraints.
+    """
+
+    def __init__(self, scene: Scene, tree: Tree):
+        self.scene = scene
+        self.tree = tree
+        self.nodes = tree.nodes
+        self.tables = {count: Table() for count in layout.COUNTS}
+        self.inputs = []
+        self.outputs = []
+        self.parameters = []
+        self.single = {}
+        self.counts = {}
+        self.constraint_names = []
+        self._markers = {}
+        self._coordinates = {}
+        self._index_nodes()
+        self.marker("inertial")
+
+    def _index_nodes(self):
+        self.q, self.v, self.joint_nodes = [], [], {}
+        self.n_q = self.n_v = 0
+
+        for i, node in enumerate(self.nodes):
+            self.q.append(self.n_q)
+            self.v.append(self.n_v)
+
+            if i:
+                kind = KINDS[node.kind]
+                self.joint_nodes.setdefault(node.joint, []).append(i)
+                self.n_q += N_Q[kind]
+                self.n_v += N_V[kind]
+
+        for nodes in self.joint_nodes.values():
+            nodes.sort(key=lambda i: self.nodes[i].coordinate)
+
+    # structure
+
+    def add_marker(self, key, node, pose):
+        """Index of a marker at a pose in a node, made once for each key."""
+        if key not in self._markers:
+            row = self.tables["n_marker"].add(marker_body=node, marker_r=pose[0], marker_A=pose[1])
+            self._markers[key] = row
+
+        return self._markers[key]
+
+    def marker(self, name):
+        """Index of a marker of the scene by name; "inertial" is 0."""
+        if name == "inertial":
+            return self.add_marker(name, 0, (np.zeros(3), np.eye(3)))
+
+        return self.add_marker(name, *self.tree.marker(self.scene, name))
+
+    def joint_marker(self, joint, side):
+        """Index of a joint's first (0) or second (1) marker, its z turned to the joint's axis."""
+        return self.add_marker((joint, side), *self.tree.joint_side(self.scene, joint, side))
+
+    def coordinate(self, joint, k=0):
+        """Index of a joint's scalar coordinate k. Raises SceneError where a loop's joint has none that can be told."""
+        key = (joint, k)
+
+        if key not in self._coordinates:
+            self._coordinates[key] = self.tables["n_coordinate"].add(**self._coordinate_row(joint, k))
+
+        return self._coordinates[key]
+
+    def _coordinate_row(self, joint, k):
+        if joint in self.joint_nodes:
+            return dict(
+                coordinate_kind=coordinates.IN_TREE,
+                coordinate_body=self.joint_nodes[joint][k],
+                coordinate_from=0,
+                coordinate_to=0,
+            )
+
+        kind = self.scene.joint[joint].kind
+        kinds = {
+            "revolute": [coordinates.ANGLE],
+            "prismatic": [coordinates.SLIDE],
+            "cylindrical": [coordinates.SLIDE, coordinates.ANGLE],
+            "screw": [coordinates.SLIDE, coordinates.ANGLE],
+        }
+
+        if kind not in kinds:
+            text = (
+                f"this {kind} joint closes a loop, where its coordinates have no value of their own; give springs, "
+                "inputs and outputs to other joints of the loop, or measure between two markers"
+            )
+            raise SceneError([Problem(("joint", joint), text)])
+
+        return dict(
+            coordinate_kind=kinds[kind][k],
+            coordinate_body=0,
+            coordinate_from=self.joint_marker(joint, 0),
+            coordinate_to=self.joint_marker(joint, 1),
+        )
+
+    def node_of(self, end):
+        """Node of a marker of the scene."""
+        return 0 if end == "inertial" else self.tree.marker(self.scene, end)[0]
+
+    def nodes_of(self, joint):
+        """Nodes that a joint connects."""
+        return [self.node_of(end) for end in self.scene.joint[joint].between]
+
+    # variables
+
+    def add_inputs(self, name, shape, unit, description, nodes):
+        """Inputs that act on `nodes`; returns the first's position in u."""
+        first = len(self.inputs)
+
+        for k, ending in enumerate(subscripts(shape)):
+            variable = (name + ending, "input", "continuous", 0.0, unit, description, first + k)
+            self.inputs.append((variable, set(nodes) - {0}))
+
+        return first
+
+    def add_outputs(self, name, kind, unit, description, nodes, a=0, b=0):
+        """A block of outputs that is about `nodes`."""
+        first = len(self.outputs)
+        width = outputs.WIDTH.get(kind)
+        self.tables["n_output"].add(output_kind=kind, output_a=a, output_b=b, output_y=first)
+
+        for k, ending in enumerate(subscripts((width,) if width else ())):
+            variable = (name + ending, "output", "continuous", None, unit, description, first + k)
+            self.outputs.append((variable, set(nodes) - {0}, kind))
+
+    def add_parameters(self, name, array, row, values, unit, description, variability="tunable"):
+        """Parameters that stand from row `row` of an array of `reals` on; units by element or one for all."""
+        values = np.asarray(values, float)
+        units = unit if isinstance(unit, list) else [unit] * values.size
+
+        for k, (ending, value) in enumerate(zip(subscripts(values.shape), values.ravel())):
+            place = (array, row * layout.ROW[array].width + k)
+            self.parameters.append((name + ending, variability, float(value), units[k], description, place))
+
+    def list_variables(self, offset):
+        """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
+        inputs = [Variable(*fields) for fields, _ in self.inputs]
+        first = len(inputs) + len(self.outputs)
+        parameters = [
+            Variable(name, "parameter", variability, start, unit, about, offset[array] + k)
+            for name, variability, start, unit, about, (array, k) in self.parameters
+        ]
+        island = self._islands()
+        results = []
+
+        for fields, nodes, kind in self.outputs:
+            depends = ()
+
+            # only accelerations and reactions feel inputs at once, and only those that act on the same island
+            if kind in outputs.ACCELERATES:
+                here = {island[i] for i in nodes}
+                depends = tuple(k for k, (_, at) in enumerate(self.inputs) if here & {island[i] for i in at})
+
+            initial = (*depends, *range(first, first + len(parameters)))
+            results.append(Variable(*fields, depends=depends, initial_depends=initial))
+
+        return [*inputs, *results, *parameters]
+
+    def _islands(self):
+        """For each node the number of its island: what joints and constraints hold together, the ground left out."""
+        leader = list(range(len(self.nodes)))
+
+        def find(i):
+            while leader[i] != i:
+                i = leader[i]
+
+            return i
+
+        links = [(i, node.parent) for i, node in enumerate(self.nodes)]
+        links += [self.constraint_nodes(c) for c in range(self.tables["n_constraint"].length)]
+
+        for i, j in links:
+            if i > 0 and j > 0:
+                leader[find(i)] = find(j)
+
+        return [find(i) for i in range(len(self.nodes))]
+
+    def constraint_nodes(self, c):
+        """The two nodes that constraint c acts on."""
+        columns = self.tables["n_constraint"].columns
+        bodies = self.tables["n_marker"].columns["marker_body"]
+        return tuple(int(bodies[int(columns[name][c][0])][0]) for name in ("constraint_from", "constraint_to"))

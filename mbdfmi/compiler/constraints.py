@@ -1,0 +1,131 @@
+"""Joints that close loops, rolling and couplings as rows, in an order that keeps their factor narrow."""
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ..kernels import rows
+from ..kernels.joints import KINDS, N_V
+from .start import start_pose
+
+ALIGNED = [(rows.DOT, 0, 2), (rows.DOT, 1, 2)]  # z of both markers parallel
+LOCKED = [(rows.DOT, 0, 1), (rows.DOT, 1, 2), (rows.DOT, 2, 0)]  # all axes parallel
+TOGETHER = [(rows.POINT, axis, 0) for axis in range(3)]  # origins together
+
+# rows (kind, axis of the first marker, axis of the second) of a joint that closes a loop
+ROWS = {
+    "fixed": TOGETHER + LOCKED,
+    "revolute": TOGETHER + ALIGNED,
+    "prismatic": TOGETHER[:2] + LOCKED,
+    "spherical": TOGETHER,
+    "free": [],
+    "cylindrical": TOGETHER[:2] + ALIGNED,
+    "screw": TOGETHER[:2] + ALIGNED,
+    "universal": [*TOGETHER, (rows.DOT, 2, 2)],
+    "planar": [TOGETHER[2], *ALIGNED],
+    "translation": LOCKED,
+    "point_on_plane": [TOGETHER[2]],
+    "point_on_line": TOGETHER[:2],
+    "distance": [(rows.DISTANCE, 0, 0)],
+    "rolling_sphere": [(rows.ROLL_SPHERE, axis, 0) for axis in range(3)],
+    "rolling_disk": [(rows.ROLL_DISK, axis, 0) for axis in range(3)],
+    "knife_edge": [(rows.KNIFE, 0, 2)],
+}
+
+
+def add_constraints(builder):
+    """All constraints of the scene, and the arrays that their factor needs."""
+    constraints = [_joint_constraint(builder, name) for name in builder.tree.cuts]
+    constraints = [c for c in constraints if c["rows"]]
+    builder.constraint_names = [c["name"] for c in constraints]
+
+    if not constraints:
+        return
+
+    path = [_path(builder, c["nodes"]) for c in constraints]
+    order = _narrow_order(path)
+    constraints = [constraints[k] for k in order]
+    builder.constraint_names = [c["name"] for c in constraints]
+    _add_tables(builder, constraints, [path[k] for k in order])
+
+
+def _joint_constraint(builder, name):
+    """A joint outside the tree as a constraint."""
+    joint = builder.scene.joint[name]
+    value = 0.0
+
+    if joint.kind in ("rolling_sphere", "rolling_disk"):
+        value = joint.radius
+    elif joint.kind == "distance":
+        first, second = (start_pose(builder, end)[0] for end in joint.between)
+        value = joint.length or float(np.linalg.norm(second - first))
+
+    return dict(
+        name=name,
+        markers=[builder.joint_marker(name, side) for side in (0, 1)],
+        nodes=builder.nodes_of(name),
+        rows=ROWS[joint.kind],
+        value=(value, 0.0),
+    )
+
+
+def _path(builder, nodes):
+    """Nodes between these and the ground, ascending."""
+    path = set()
+
+    for i in nodes:
+        while i > 0:
+            path.add(i)
+            i = builder.nodes[i].parent
+
+    return sorted(path)
+
+
+def _narrow_order(paths):
+    """An order of the constraints in which those that share joints come close together."""
+    n = len(paths)
+    meets = np.array([[bool(set(a) & set(b)) for b in paths] for a in paths])
+    return reverse_cuthill_mckee(csr_array(meets), symmetric_mode=True) if n > 1 else range(n)
+
+
+def _add_tables(builder, constraints, paths):
+    n_v = {i: N_V[KINDS[node.kind]] for i, node in enumerate(builder.nodes) if i}
+    first_row = {}
+    reach = envelope = row = 0
+
+    for c, (constraint, path) in enumerate(zip(constraints, paths)):
+        width = sum(n_v[i] for i in path)
+        first_row[c] = row
+        meets = min(k for k in range(c + 1) if set(paths[k]) & set(path) or k == c)
+        builder.tables["n_constraint"].add(
+            constraint_from=constraint["markers"][0],
+            constraint_to=constraint["markers"][1],
+            constraint_row=row,
+            constraint_rows=len(constraint["rows"]),
+            constraint_path=builder.tables["n_path"].length,
+            constraint_paths=len(path),
+            constraint_reach=reach,
+            constraint_width=width,
+        )
+        at = 0
+
+        for i in path:
+            builder.tables["n_path"].add(path_node=i, path_at=at)
+            at += n_v[i]
+
+        for kind, i, j in constraint["rows"]:
+            builder.tables["n_row"].add(
+                row_constraint=c,
+                row_kind=kind,
+                row_i=i,
+                row_j=j,
+                row_first=first_row[meets],
+                row_envelope=envelope,
+                row_value=constraint["value"],
+                row_offset=0.0,
+            )
+            envelope += row - first_row[meets]
+            reach += width
+            row += 1
+
+    builder.counts = {"n_reach": reach, "n_envelope": envelope}

@@ -1,0 +1,37 @@
+"""Where things are at the start, as far as start values alone tell."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..topology import compose, inverse
+
+
+def start_pose(builder, end):
+    """Pose (r (3,) m, A (3, 3)) of a marker of the scene in the inertial frame, before loops are closed."""
+    if end == "inertial":
+        return np.zeros(3), np.eye(3)
+
+    node, pose = builder.tree.marker(builder.scene, end)
+
+    while node > 0:
+        at = builder.nodes[node]
+        pose = compose(compose(at.joint_frame, _joint_pose(builder, node)), pose)
+        node = at.parent
+
+    return pose
+
+
+def _joint_pose(builder, i):
+    """Pose of a node in its joint frame at its start values."""
+    node = builder.nodes[i]
+    q = builder.single["q_start"][builder.q[i] :]
+
+    if node.kind == "revolute":
+        return np.zeros(3), Rotation.from_rotvec([0, 0, q[0]]).as_matrix()
+
+    if node.kind == "prismatic":
+        return np.array([0, 0, q[0]]), np.eye(3)
+
+    r, E = (q[:3], q[3:7]) if node.kind == "free" else (np.zeros(3), q[:4])
+    pose = (r, Rotation.from_quat(E).as_matrix())
+    return inverse(pose) if node.reversed else pose

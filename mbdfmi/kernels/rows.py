@@ -1,0 +1,192 @@
+"""Constraint rows: what each says of the motion of its two markers.
+
+A row's Jacobian is a pair of wrenches, one on each body (moment about the body's origin, force; inertial axes): its power on
+the bodies' velocities is g'. `row_gap` is g, `row_rate` g', `row_bias` g'' at zero accelerations.
+
+Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p levers from the bodies' origins to r_b;
+"seen" = relative to a's body. Theory: sections "Constraints" and "Generalized Force due to Reaction": the reaction acts on the material
+point of the first body that is where the second's is.
+"""
+
+import math
+
+from . import algebra as al
+from . import markers
+from .language import inlined, kernel
+
+POINT = 0  # d stays normal to axis i of a
+DOT = 1  # axis i of a stays normal to axis j of b
+DISTANCE = 2  # |d| stays value[0]
+KNIFE = 3  # velocity of b's origin as seen from a has no component along axis j of b
+ROLL_SPHERE = 4  # a sphere of radius value[0] about b's origin rolls on the plane z = 0 of a: component i
+ROLL_DISK = 5  # a thin disk of radius value[0] about z of b rolls there: component i
+COUPLING = 6  # value[0] times coordinate of node i + value[1] times that of node j + offset = 0
+
+
+@inlined
+def column(A, k):
+    """Column k of a matrix."""
+    return (A[0][k], A[1][k], A[2][k])
+
+
+@inlined
+def set_row(d, row, moment_a, force_a, moment_b, force_b):
+    """Store a row's wrenches."""
+    al.set_vec3(d.row_moment_from, row, moment_a)
+    al.set_vec3(d.row_force_from, row, force_a)
+    al.set_vec3(d.row_moment_to, row, moment_b)
+    al.set_vec3(d.row_force_to, row, force_b)
+
+
+@inlined
+def set_residuals(d, row, gap, rate, bias):
+    """Store a row's residuals."""
+    d.row_gap[row] = gap
+    d.row_rate[row] = rate
+    d.row_bias[row] = bias
+
+
+@inlined
+def set_push(d, row, u, P, p):
+    """A row whose wrenches are unit forces along u on b, -u on a, at levers p and P."""
+    set_row(d, row, al.cross(u, P), al.neg(u), al.cross(p, u), u)
+
+
+@inlined
+def centripetal(w, lever):
+    """w x (w x lever): acceleration of a body's point at zero alpha and rdd."""
+    return al.cross(w, al.cross(w, lever))
+
+
+@inlined
+def axis_of(A, k):
+    """Column k of a rotation matrix, by a choice that is not an index."""
+    if k == 0:
+        return column(A, 0)
+
+    if k == 1:
+        return column(A, 1)
+
+    return column(A, 2)
+
+
+@inlined
+def rolling_contact(kind, radius, A_a, w_a, A_b, w_b):
+    """Contact point of a rolling sphere or disk from b's origin: (lever, its time derivative), inertial axes.
+
+    On a disk it is the rim's point nearest to the plane: -radius along m, the plane's normal N made normal to
+    the disk's axis z.
+    """
+    N = column(A_a, 2)
+    N_rate = al.cross(w_a, N)
+
+    if kind == ROLL_SPHERE:
+        return al.scale(-radius, N), al.scale(-radius, N_rate)
+
+    z = column(A_b, 2)
+    z_rate = al.cross(w_b, z)
+    y = al.axpy(-al.dot(N, z), z, N)
+    y_rate = al.axpy(-al.dot(N_rate, z) - al.dot(N, z_rate), z, N_rate)
+    y_rate = al.axpy(-al.dot(N, z), z_rate, y_rate)
+    length = al.norm(y)
+    m = al.scale(1.0 / length, y)
+    m_rate = al.scale(1.0 / length, al.axpy(-al.dot(m, y_rate), m, y_rate))
+    return al.scale(-radius, m), al.scale(-radius, m_rate)
+
+
+@inlined
+def write_coupling(m, d, row):
+    """A coupling of two joints' coordinates: linear, so without bias; its wrenches are efforts (see constraints)."""
+    i = m.row_i[row]
+    j = m.row_j[row]
+    a = m.row_value[2 * row]
+    gap = m.row_offset[row] + a * d.x[m.body_q[i]]
+    rate = a * d.x[m.n_q + m.body_v[i]]
+
+    if j >= 0:
+        b = m.row_value[2 * row + 1]
+        gap += b * d.x[m.body_q[j]]
+        rate += b * d.x[m.n_q + m.body_v[j]]
+
+    set_residuals(d, row, gap, rate, 0.0)
+    set_row(d, row, al.ZERO3, al.ZERO3, al.ZERO3, al.ZERO3)
+
+
+@kernel
+def write_rows(m, d):
+    """All rows' wrenches and residuals; needs kinematics."""
+    for c in range(m.n_constraint):
+        a = m.constraint_from[c]
+        b = m.constraint_to[c]
+        body_a = m.marker_body[a]
+        body_b = m.marker_body[b]
+        A_a = markers.axes(m, d, a)
+        A_b = markers.axes(m, d, b)
+        w_a = al.vec3(d.w, body_a)
+        w_b = al.vec3(d.w, body_b)
+        r_b = markers.position(m, d, b)
+        span = al.sub(r_b, markers.position(m, d, a))
+        P = al.sub(r_b, al.vec3(d.r, body_a))
+        p = al.sub(r_b, al.vec3(d.r, body_b))
+        v_b = markers.velocity(m, d, b)
+        seen = al.sub(v_b, markers.point_velocity(m, d, body_a, r_b))
+        swing = al.sub(centripetal(w_b, p), centripetal(w_a, P))
+
+        for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+            kind = m.row_kind[row]
+            i = m.row_i[row]
+            j = m.row_j[row]
+
+            if kind == POINT:
+                u = axis_of(A_a, i)
+                set_push(d, row, u, P, p)
+                bias = al.dot(u, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
+                set_residuals(d, row, al.dot(u, span), al.dot(u, seen), bias)
+
+            elif kind == DOT:
+                e_a = axis_of(A_a, i)
+                e_b = axis_of(A_b, j)
+                e_a_rate = al.cross(w_a, e_a)
+                e_b_rate = al.cross(w_b, e_b)
+                n = al.cross(e_b, e_a)
+                w = al.sub(w_b, w_a)
+                n_rate = al.add(al.cross(e_b_rate, e_a), al.cross(e_b, e_a_rate))
+                set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
+                set_residuals(d, row, al.dot(e_a, e_b), al.dot(w, n), al.dot(w, n_rate))
+
+            elif kind == DISTANCE:
+                length = m.row_value[2 * row]
+                u = al.scale(1.0 / length, span)
+                v = al.sub(v_b, markers.velocity(m, d, a))
+                lever = markers.arm(m, d, a)
+                set_push(d, row, u, lever, p)
+                gap = 0.5 * (al.dot(span, span) / length - length)
+                bias = al.dot(v, v) / length
+                bias += al.dot(u, al.sub(centripetal(w_b, p), centripetal(w_a, lever)))
+                set_residuals(d, row, gap, al.dot(u, v), bias)
+
+            elif kind == KNIFE:
+                u = axis_of(A_b, j)
+                swept = al.cross(w_a, al.sub(v_b, al.vec3(d.rd, body_a)))
+                bias = al.dot(u, al.sub(centripetal(w_b, p), swept)) + al.dot(al.cross(w_b, u), seen)
+                set_push(d, row, u, P, p)
+                set_residuals(d, row, 0.0, al.dot(u, seen), bias)
+
+            elif kind == COUPLING:
+                write_coupling(m, d, row)
+
+            else:
+                u = axis_of(A_a, i)
+                to_contact, to_contact_rate = rolling_contact(kind, m.row_value[2 * row], A_a, w_a, A_b, w_b)
+                r_c = al.add(r_b, to_contact)
+                v_c = al.add(v_b, to_contact_rate)
+                slip = al.sub(
+                    markers.point_velocity(m, d, body_b, r_c), markers.point_velocity(m, d, body_a, r_c)
+                )
+                bias = al.sub(
+                    al.cross(w_b, al.sub(v_c, al.vec3(d.rd, body_b))),
+                    al.cross(w_a, al.sub(v_c, al.vec3(d.rd, body_a))),
+                )
+                gap = al.dot(u, al.add(span, to_contact)) if i == 2 else 0.0
+                set_push(d, row, u, al.add(P, to_contact), al.add(p, to_contact))
+                set_residuals(d, row, gap, al.dot(u, slip), al.dot(u, bias) + al.dot(al.cross(w_a, u), slip))

@@ -1,0 +1,35 @@
+"""The ends of joints, forces and measures: frames named by text."""
+
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+from .errors import quoted, show
+from .names import FRAMES
+
+
+def _between(value):
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise ValueError(f'needs two ends, as in ["ground", "body.marker"]; found {show(value)}')
+    return tuple(_end(end) for end in value)
+
+
+def _end(value):
+    if not isinstance(value, str):
+        raise ValueError(f'an end is a text, "body" or "body.marker"; found {show(value)}')
+
+    names = [name.strip() for name in value.split(".")]
+    if len(names) > 2 or not all(names):
+        raise ValueError(f'an end is "body" or "body.marker", found {quoted(value)}')
+    return ".".join(names)
+
+
+def stands_still(end):
+    """Whether an end is on no body: what acts there moves nothing."""
+    return end.split(".")[0] in FRAMES
+
+
+# One end: "body", "body.marker", "ground", "ground.marker", or "inertial". Two of them.
+End = Annotated[str, BeforeValidator(_end)]
+Between = Annotated[tuple[str, str], BeforeValidator(_between)]
+BETWEEN = 'the two ends, as in between = ["ground", "body.marker"]'

@@ -1,0 +1,104 @@
+"""Scenes from the problem files of tests/reference: bodies and joints at absolute poses, scalar part of q0 first."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mbdfmi import Scene
+from mbdfmi.topology import axes_with_z
+
+REFERENCE = Path(__file__).parent / "reference"
+
+
+def problem(name):
+    """The problem file of a name, as a dict."""
+    return json.loads((REFERENCE / f"{name}.json").read_text())
+
+
+def scene_of(data, **extra):
+    """A Scene of a problem's bodies, joints, spring-dampers, gravity and start velocities.
+
+    Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies without
+    joints get free ones. `extra`: further keys of the scene; tables are merged.
+    """
+    bodies = {body["name"]: _Body(body) for body in data["bodies"]}
+    bodies["ground"] = _Body({"name": "ground"})
+    joints, forces = {}, {}
+
+    for k, joint in enumerate(data["joints"]):
+        axis = np.array(joint.get("axis", [0, 0, 1]), float)
+        axes = axes_with_z(axis / np.linalg.norm(axis))
+        name = f"{joint['type']} {k + 1}"
+        ends = [bodies[joint[side]] for side in ("body_i", "body_j")]
+        joints[name] = {
+            joint["type"]: {},
+            "between": [end.marker(f"j{k + 1}", joint["point"], axes) for end in ends],
+        }
+        relative = ends[1].w - ends[0].w
+
+        if joint["type"] == "revolute" and relative @ axis:
+            joints[name]["start"] = {"speed": float(relative @ axis / np.linalg.norm(axis))}
+        elif joint["type"] == "spherical":
+            joints[name]["start"] = {"omega": (axes.T @ relative).tolist()}
+
+    for k, force in enumerate(data["forces"]):
+        forces[f"spring {k + 1}"] = {
+            "spring_damper": {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]},
+            "between": [
+                bodies[force[f"body_{side}"]].marker(f"f{k + 1}", force[f"point_{side}"], np.eye(3)) for side in "ij"
+            ],
+        }
+
+    for name, body in bodies.items():
+        if name != "ground" and not body.markers:
+            joints[f"free {name}"] = {
+                "free": {},
+                "between": ["ground", name],
+                "start": {
+                    "position": body.r.tolist(),
+                    "axes": {"x": body.A[:, 0].tolist(), "y": body.A[:, 1].tolist()},
+                    "velocity": body.v.tolist(),
+                    "omega": body.w.tolist(),
+                },
+            }
+
+    ground = bodies.pop("ground")
+    tables = {
+        "name": data["id"],
+        "gravity": data["gravity"],
+        "ground": {"marker": ground.markers},
+        "body": {name: body.table() for name, body in bodies.items()},
+        "joint": joints,
+        "force": forces,
+    }
+
+    for key, value in extra.items():
+        tables[key] = tables.get(key, {}) | value if isinstance(value, dict) else value
+
+    return Scene(**tables)
+
+
+class _Body:
+    def __init__(self, data):
+        self.data = data
+        self.r = np.array(data.get("r0", [0, 0, 0]), float)
+        w, x, y, z = data.get("q0", [1, 0, 0, 0])
+        self.A = Rotation.from_quat([x, y, z, w]).as_matrix()
+        self.v = np.array(data.get("v0", [0, 0, 0]), float)
+        self.w = np.array(data.get("w0", [0, 0, 0]), float)
+        self.markers = {}
+
+    def marker(self, name, point, axes):
+        """Full name of a marker at a point of the inertial frame, with these axes (columns, inertial)."""
+        local = self.A.T @ axes
+        self.markers[name] = {
+            "position": (self.A.T @ (np.array(point, float) - self.r)).tolist(),
+            "axes": {"x": local[:, 0].tolist(), "y": local[:, 1].tolist()},
+        }
+        return f"{self.data['name']}.{name}"
+
+    def table(self):
+        """The body as a table of a scene, its own frame at the centre of mass."""
+        return {"mass": self.data["mass"], "inertia": self.data["inertia"], "marker": self.markers}
