@@ -95,13 +95,13 @@ def test_joints_in_si(arm):
     assert_allclose(shoulder.start_position(), [np.pi / 6])
     assert_allclose(shoulder.start_velocity(), [2 * np.pi])
     assert_allclose(shoulder.spring.rest_value(), np.pi)
-    assert (shoulder.damper, shoulder.input, shoulder.output) == (0.1, "torque", ["angle", "speed"])
+    assert (shoulder.damper, shoulder.input, shoulder.output) == (0.1, ["torque"], ["angle", "speed"])
 
     assert_allclose(elbow.axis, [0, 0.6, 0.8])
     assert_allclose(elbow.start_position(), [0.1])
     assert_allclose(elbow.start_velocity(), [-2])
     assert elbow.spring.rest_value() == 0.3
-    assert (elbow.damper, elbow.input, elbow.output) == (0.0, None, [])
+    assert (elbow.damper, elbow.input, elbow.output) == (0.0, [], [])
 
 
 def test_joints_without_coordinates_or_springs():
@@ -121,7 +121,7 @@ def test_joints_without_coordinates_or_springs():
     assert_allclose(free.start_position(), [0, 0, 0, 0, 0, 0, 1])
     assert_allclose(free.start_velocity(), np.zeros(6))
     for joint in scene.joint.values():
-        assert (joint.spring, joint.damper, joint.input, list(joint.output)) == (None, 0, None, [])
+        assert (joint.spring, joint.damper, list(joint.input), joint.output) == (None, 0, [], [])
 
 
 def test_body_rates_are_turned_into_the_first_markers_axes():

@@ -105,7 +105,91 @@ added_mass = [
 ]
 """
 
-GOOD = {"arm": ARM, "barge": BARGE}
+CARRIAGE = """\
+name = "carriage"
+
+[solver]
+integrator = "rk853"
+formulation = "embedding"
+
+[ground]
+marker.road = { zyx_deg = [0, 0, 5] }
+
+[body.frame]
+mass = 10
+inertia = [1, 1, 1]
+
+[body.wheel]
+mass = 1
+inertia = [0.1, 0.1, 0.2]
+
+[body.ball]
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+
+[body.bead]
+mass = 0.1
+inertia = [0, 0, 0]
+
+[joint.slide]
+planar = { normal = "z" }
+between = ["ground.road", "frame"]
+start = { position = [0, 1], angle_deg = 10, velocity = [1, 0], angular_speed_rpm = 2 }
+output = ["position", "angle", "velocity", "angular_speed", "reaction_force"]
+
+[joint.axle]
+cylindrical = { axis = "y" }
+between = ["frame", "wheel"]
+start = { position = 0.1, speed = 0.2, angle = 0.3, angular_speed = 0.4 }
+input = ["force", "torque"]
+output = ["position", "speed", "angle", "angular_speed"]
+
+[joint.cross]
+universal = { axes = ["x", [0, 1, 1]] }
+between = ["frame", "ball"]
+start = { angles_deg = [1, 2], speeds = [3, 4] }
+output = ["angles", "speeds"]
+
+[joint.shift]
+translation = {}
+between = ["inertial", "bead"]
+start = { position = [1, 2, 3], velocity = [4, 5, 6] }
+output = ["position", "velocity"]
+
+[joint.thread]
+screw = { axis = "x", pitch = 0.01 }
+between = ["ground", "ball"]
+start = { angle_deg = 5, angular_speed_deg = 6 }
+input = "torque"
+output = ["position"]
+
+[joint.touch]
+point_on_plane = { normal = [0, 0, 2] }
+between = ["ground", "ball"]
+output = ["reaction_moment"]
+
+[joint.rail]
+point_on_line = {}
+between = ["ground", "bead"]
+
+[joint.rod]
+distance = { length = 2 }
+between = ["ball", "bead"]
+
+[joint.roll]
+rolling_disk = { radius = 0.5, axis = "y" }
+between = ["ground.road", "wheel"]
+
+[joint.marble]
+rolling_sphere = { radius = 0.1 }
+between = ["ground.road", "ball"]
+
+[joint.edge]
+knife_edge = { lateral = "y" }
+between = ["ground.road", "frame"]
+"""
+
+GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE}
 
 
 # the oracle
@@ -411,12 +495,12 @@ MESSAGES = [
         ' Did you mean "upper.elbow"?',
     ]),
     (ARM, '"upper.elbow"', '"uper.elbow"', [
-        '[joint.elbow] between: no body "uper"; there is "upper", "lower" and "ground". Did'
-        ' you mean "upper.elbow"?',
+        '[joint.elbow] between: no body "uper"; there is "upper", "lower", "ground" and '
+        '"inertial". Did you mean "upper.elbow"?',
     ]),
     (ARM, '"upper.elbow", "lower"', '"elbow", "lower"', [
-        '[joint.elbow] between: no body "elbow"; there is "upper", "lower" and "ground". '
-        '"elbow" is a joint. Did you mean "upper.elbow"?',
+        '[joint.elbow] between: no body "elbow"; there is "upper", "lower", "ground" and '
+        '"inertial". "elbow" is a joint. Did you mean "upper.elbow"?',
     ]),
     (ARM, '"upper.elbow", "lower"', '"upper.elbow", "upper"', [
         '[joint.elbow] between: both ends are on "upper"; a joint acts between two bodies',
@@ -431,7 +515,9 @@ MESSAGES = [
     ]),
     (ARM, 'revolute = { axis = "y" }', 'revolut = { axis = "y" }', [
         '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
-        '"spherical" or "free"; found "revolut", "between", "start", "input" and "output". '
+        '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", '
+        '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk" or '
+        '"knife_edge"; found "revolut", "between", "start", "input" and "output". '
         'Did you mean "revolute"?',
     ]),
     (ARM, 'revolute = { axis = "y" }', 'revolute = {}\nfixed = {}', [
@@ -447,8 +533,8 @@ MESSAGES = [
         '"speed", "speed_deg" and "speed_rpm". Did you mean "angle"?',
     ]),
     (ARM, '["angle", "speed"]', '["angel", "speed"]', [
-        '[joint.shoulder] output: no "angel" here; there is "angle", "speed" and '
-        '"acceleration". Did you mean "angle"?',
+        '[joint.shoulder] output: no "angel" here; there is "angle", "speed", '
+        '"acceleration", "reaction_force" and "reaction_moment". Did you mean "angle"?',
     ]),
     (ARM, '["angle", "speed"]', '"angle"', [
         '[joint.shoulder] output: needs a list, found "angle"; write ["angle"]',
@@ -469,8 +555,9 @@ MESSAGES = [
         '[body.lower] solid.cylinder: needs "density" or "mass"',
     ]),
     (ARM, '[body.lower]', '[body.ground]', [
-        '[body.ground] "ground" is the inertial frame itself; use another name',
-        '[joint.elbow] between: no body "lower"; there is "upper" and "ground".',
+        '[body.ground] "ground" is the name of a frame that is always there; use another',
+        '[joint.elbow] between: no body "lower"; there is "upper", "ground" and '
+        '"inertial".',
     ]),
     (ARM, '[body.lower]', '[body.upper]', [
         'line 19, column 12: not valid TOML: Cannot declare [body.upper] twice in '
@@ -514,10 +601,65 @@ MESSAGES = [
         '"body.marker"])',
     ]),
     (ARM, '"lower"]\n', '"lowr"]\nwhat = 1\n', [
-        '[joint.elbow] between: no body "lowr"; there is "upper", "lower" and "ground". '
-        'Did you mean "lower"?',
+        '[joint.elbow] between: no body "lowr"; there is "upper", "lower", "ground" and '
+        '"inertial". Did you mean "lower"?',
         '[joint.elbow] what: unknown key; there is "revolute", "between", "start", "spring", '
         '"damper", "input" and "output".',
+    ]),
+    (ARM, 'integrator = "rk4"', 'integrator = "rk853"', [
+        '[solver] rk853 chooses its step itself; write max_step, or integrator = "rk4"',
+    ]),
+    (CARRIAGE, '"embedding"', '"recursiv"', [
+        '[solver] formulation: no "recursiv" here; there is "auto", "recursive", "embedding" '
+        'and "augmented". Did you mean "recursive"?',
+    ]),
+    (CARRIAGE, '["x", [0, 1, 1]]', '["x", [1, 1, 0]]', [
+        '[joint.cross] universal.axes: "x" and [1.0, 1.0, 0.0] are not perpendicular',
+    ]),
+    (CARRIAGE, '["x", [0, 1, 1]]', '"x"', [
+        '[joint.cross] universal.axes: needs two axes, as in ["x", "y"]; found "x"',
+    ]),
+    (CARRIAGE, 'pitch = 0.01', 'pitch = 0', [
+        '[joint.thread] screw.pitch: must not be 0, nor below 1e-30; found 0',
+    ]),
+    (CARRIAGE, ', pitch = 0.01', '', [
+        '[joint.thread] screw.pitch: is missing (advance in m per turn)',
+    ]),
+    (CARRIAGE, 'angles_deg', 'angle_deg', [
+        '[joint.cross] start.angle_deg: unknown key; there is "angles", "angles_deg", "speeds" '
+        'and "speeds_deg". Did you mean "angles_deg"?',
+    ]),
+    (CARRIAGE, 'angle_deg = 10', 'angle_deg = 10, angle = 1', [
+        '[joint.slide] start: "angle" and "angle_deg" exclude each other; keep one of them',
+    ]),
+    (CARRIAGE, 'position = [0, 1]', 'position = [0, 1, 0]', [
+        '[joint.slide] start.position: needs 2 numbers [x, y], found [0, 1, 0]',
+    ]),
+    (CARRIAGE, 'input = "torque"', 'input = "force"', [
+        '[joint.thread] input: no "force" here; there is "torque".',
+    ]),
+    (CARRIAGE, 'distance = { length = 2 }', 'distance = { length = 2 }\nstart = {}', [
+        '[joint.rod] start: unknown key; there is "distance", "between" and "output".',
+    ]),
+    (CARRIAGE, 'rolling_disk = { radius = 0.5', 'rolling_disk = { diameter = 1', [
+        '[joint.roll] rolling_disk.radius: is missing (radius in m)',
+        '[joint.roll] rolling_disk.diameter: unknown key; there is "radius" and "axis".',
+    ]),
+    (CARRIAGE, '["inertial", "bead"]', '["inertial", "ground"]', [
+        '[joint.shift] between: neither end is on a body; a joint acts on one at least',
+    ]),
+    (CARRIAGE, '["inertial", "bead"]', '["inertial.site", "bead"]', [
+        '[joint.shift] between: no marker "site" on the inertial frame; it has none.',
+    ]),
+    (CARRIAGE, """[joint.shift]
+translation = {}
+between = ["inertial", "bead"]
+start = { position = [1, 2, 3], velocity = [4, 5, 6] }
+output = ["position", "velocity"]
+""", '', [
+        '[body.bead] no chain of joints connects it to ground ("rod" is distance, which only '
+        'takes freedoms away); to let it move freely, write a joint with free = {} and '
+        'between = ["ground", "bead"]',
     ]),
 ]
 

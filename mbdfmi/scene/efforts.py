@@ -1,4 +1,4 @@
-"""What acts in a joint of one freedom: springs."""
+"""What acts in a joint of one freedom."""
 
 from pydantic import Field
 
