@@ -52,9 +52,15 @@ def move(m, d, i):
     q = m.body_q[i]
     v = m.n_q + m.body_v[i]
 
+    A_joint = al.mat3(m.body_A, i)
+
+    # turned before the chain of products over the bodies, not in it
+    if kind == REVOLUTE:
+        A_joint = rotated_about_z(A_joint, d.x[q])
+
     A_parent = al.mat3(d.A, parent)
     w_parent = al.vec3(d.w, parent)
-    F = al.mat_mat(A_parent, al.mat3(m.body_A, i))
+    F = al.mat_mat(A_parent, A_joint)
     arm = al.mat_vec(A_parent, al.vec3(m.body_r, i))
 
     # relative motion: r_rel along the arm, w_rel, rd_rel
@@ -62,7 +68,7 @@ def move(m, d, i):
         axis = (F[0][2], F[1][2], F[2][2])
         w_rel = al.scale(d.x[v], axis)
         al.set_vec3(d.axis, i, axis)
-        al.set_mat3(d.A, i, rotated_about_z(F, d.x[q]))
+        al.set_mat3(d.A, i, F)
         al.set_vec3(d.w, i, al.add(w_parent, w_rel))
         al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
         spin = al.cross(w_parent, arm)
