@@ -238,9 +238,9 @@ def aba(m, d):
             if parent > 0:
                 W_w = al.scale(1.0 / D, U_w)
                 W_r = al.scale(1.0 / D, U_r)
-                I = al.sym_sub(I, al.sym_of_mat(al.outer(W_w, U_w)))
+                I = al.sym_sub(I, al.sym_outer(1.0 / D, U_w))
                 H = al.mat_sub(H, al.outer(W_w, U_r))
-                M = al.sym_sub(M, al.sym_of_mat(al.outer(W_r, U_r)))
+                M = al.sym_sub(M, al.sym_outer(1.0 / D, U_r))
                 moment = al.axpy(effort, W_w, moment)
                 moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
                 force = al.axpy(effort, W_r, force)
