@@ -236,15 +236,17 @@ def aba(m, d):
             d.effort[3 * i] = effort
 
             if parent > 0:
+                # the bias on the whole inertia, which is known before D, less what the joint gives way
+                left = effort - al.dot(U_w, bias_w) - al.dot(U_r, bias_r)
                 W_w = al.scale(1.0 / D, U_w)
                 W_r = al.scale(1.0 / D, U_r)
+                moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
+                moment = al.axpy(left, W_w, moment)
+                force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
+                force = al.axpy(left, W_r, force)
                 I = al.sym_sub(I, al.sym_outer(1.0 / D, U_w))
                 H = al.mat_sub(H, al.outer(W_w, U_r))
                 M = al.sym_sub(M, al.sym_outer(1.0 / D, U_r))
-                moment = al.axpy(effort, W_w, moment)
-                moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
-                force = al.axpy(effort, W_r, force)
-                force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
                 add_shifted_inertia(d, parent, arm, I, H, M)
                 add_shifted_wrench(d, parent, arm, moment, force)
 
