@@ -302,7 +302,7 @@ def aba(m, d):
 
         elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
             carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
-            rate = (d.effort[3 * i] - carried) / d.D[6 * i]
+            rate = (d.effort[3 * i] - carried) * (1.0 / d.D[6 * i])  # the division does not wait for the parent
             d.x_rate[v] = rate
 
             if kind == joints.REVOLUTE:
