@@ -188,7 +188,8 @@ def _hang(scene, tree, name, parent, group):
     side = compose(tree.home[body][1], tuple(pose))
 
     for k, kind, axis in motions:
-        turn = axes_with_z(axis)
+        # only these have an axis; the others' coordinates are in the markers' own axes
+        turn = axes_with_z(axis) if kind in ("revolute", "prismatic") else np.eye(3)
         node = Node(parent, name, kind, k, reverse, joint_frame=(side[0], side[1] @ turn))
         tree.nodes.append(node)
         parent = len(tree.nodes) - 1
