@@ -172,10 +172,11 @@ def free_factor(d, i):
         I[5] - al.dot(H[1], N[2]),
     )
     F_I = al.sym_factor(reduced)
+    left = reduced[0] > al.ROUNDING * I[0] and reduced[1] > al.ROUNDING * I[1] and reduced[2] > al.ROUNDING * I[2]
     al.set_sym3(d.D_M, i, F_M)
     al.set_mat3(d.N, i, N)
     al.set_sym3(d.D, i, F_I)
-    return al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
+    return left and al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
 
 
 @kernel
