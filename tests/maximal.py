@@ -149,7 +149,8 @@ def loads(scene, motions, inputs):
         (first, (r1, A1, v1, w1)), (second, (r2, A2, v2, w2)) = (
             marker_motion(scene, motions, end) for end in joint.between
         )
-        given = inputs.get(f"{fmi_name(name)}.{joint.input}", np.zeros(1))
+        effort = "force" if joint.kind == "prismatic" else "torque"
+        given = inputs.get(f"{fmi_name(name)}.{effort}", np.zeros(1))
 
         if joint.kind == "spherical":
             torque = A1 @ np.broadcast_to(given, 3)
