@@ -55,6 +55,8 @@ def add_bodies(builder):
             body_q=builder.q[i],
             body_v=builder.v[i],
             body_reversed=node.reversed,
+            body_given=_given(builder, node),
+            body_drive=-1,
             body_r=r,
             body_A=A,
         )
@@ -71,6 +73,15 @@ def add_bodies(builder):
         builder.add_parameters(dotted(name, "com"), "solid_com", row, com, "m", about)
         about = f"inertia of {name} about its centre of mass, in its own axes: xx, yy, zz, xy, xz, yz"
         builder.add_parameters(dotted(name, "inertia"), "solid_inertia", row, inertia, "kg.m2", about)
+
+
+def _given(builder, node):
+    """1 where the user gave a start position of the node's joint, 2 a velocity, 3 both."""
+    if not node.joint:
+        return 0
+
+    joint = builder.scene.joint[node.joint]
+    return int(joint.holds_position) + 2 * int(joint.holds_velocity)
 
 
 def add_markers(builder):

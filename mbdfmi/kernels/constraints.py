@@ -13,8 +13,12 @@ from . import algebra as al
 from . import joints, rows
 from .language import inlined, kernel
 
-# a row is dropped when the part of it that is new is this small (squared sine of the angle to the others)
+# a row is dropped when what it adds to the rows before it is this small beside the largest row of its kind in the same
+# constraint (squared sine of an angle: the square root of the machine precision)
 DROP = 1e-8
+
+# ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
+NOISE = 1e-14
 
 
 @inlined
@@ -41,7 +45,7 @@ def unwhiten(F, w):
 
 
 @inlined
-def pass_joint(m, d, i, at, coefficient):
+def pass_joint(m, d, row, i, at, coefficient):
     """Take a row's wrench past joint i: its whitened response to d.reach from `at` on, the rest to the parent.
 
     `coefficient` is the row's effort in the joint itself (couplings).
@@ -58,6 +62,7 @@ def pass_joint(m, d, i, at, coefficient):
         e = coefficient + al.dot(axis, wrench)
         D = d.D[6 * i]
         d.reach[at] = e / math.sqrt(D)
+        d.row_size[row] += al.dot(wrench, wrench) / D
         subtract_scaled(d, i, e / D, al.vec3(d.U_w, i), al.vec3(d.U_r, i))
 
     elif kind == joints.SPHERICAL:
@@ -93,6 +98,7 @@ def reach_rows(m, d):
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
             at = m.constraint_reach[c] + k * m.constraint_width[c]
+            d.row_size[row] = 0.0
             al.set_vec3(d.passed_moment, 0, al.ZERO3)
             al.set_vec3(d.passed_force, 0, al.ZERO3)
 
@@ -115,7 +121,7 @@ def reach_rows(m, d):
                     elif i == m.row_j[row]:
                         coefficient = m.row_value[2 * row + 1]
 
-                pass_joint(m, d, i, at + m.path_at[step], coefficient)
+                pass_joint(m, d, row, i, at + m.path_at[step], coefficient)
 
 
 @inlined
@@ -159,6 +165,19 @@ def product(m, d, row, other):
     return total
 
 
+@inlined
+def largest_of_kind(m, d, row):
+    """Largest diagonal element among the rows of the same kind in the same constraint."""
+    c = m.row_constraint[row]
+    size = 0.0
+
+    for other in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+        if m.row_kind[other] == m.row_kind[row]:
+            size = max(size, d.row_diagonal[other])
+
+    return size
+
+
 @kernel
 def factor_rows(m, d):
     """L D L^T of R R^T in its envelope; returns how many rows were dropped, structurally redundant ones not counted.
@@ -168,10 +187,12 @@ def factor_rows(m, d):
     dropped = 0
 
     for i in range(m.n_row):
+        d.row_diagonal[i] = product(m, d, i, i)
+
+    for i in range(m.n_row):
         first = m.row_first[i]
         at = m.row_envelope[i] - first
-        diagonal = product(m, d, i, i)
-        pivot = diagonal
+        pivot = d.row_diagonal[i]
 
         # unscaled row of L, then scaled
         for j in range(first, i):
@@ -190,7 +211,7 @@ def factor_rows(m, d):
 
         if d.row_redundant[i] > 0.0:
             d.pivot[i] = 0.0
-        elif pivot > DROP * diagonal:
+        elif pivot > DROP * largest_of_kind(m, d, i) and pivot > NOISE * d.row_size[i]:
             d.pivot[i] = 1.0 / pivot
         else:
             d.pivot[i] = 0.0

@@ -5,7 +5,7 @@
 
 from numba import types
 
-from . import constraints, forces, integrate, joints, outputs, prepare, project, tableaux, tree
+from . import constraints, coordinates, forces, integrate, joints, outputs, prepare, project, tableaux, tree
 from .language import inlined, kernel
 from .status import BAD_START_ORIENTATION, OK, status
 from .views import INTS, REALS, data_view, model_view
@@ -31,7 +31,13 @@ def initialise(m, d, t0):
         if not joints.start(m, d, i):
             return status(BAD_START_ORIENTATION, i)
 
-    return project.project(m, d)
+    for row in range(m.n_row):
+        d.row_redundant[row] = 0.0
+
+    failure = project.assemble(m, d)
+    project.hold(m, d, 4)
+    coordinates.follow_turns(m, d)
+    return failure
 
 
 @inlined

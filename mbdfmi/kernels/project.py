@@ -7,10 +7,14 @@ from . import constraints, coordinates, joints, rows, tree
 from .language import inlined, kernel
 from .status import LOOP_OPEN, OK, status
 
-MAX_ITERATIONS = 30
+MAX_ITERATIONS = 50
 
-# Newton converges quadratically: after a change of this size (m, rad) the next would be at rounding
-SMALL_CHANGE = 1e-9
+# Newton's method has done what it can when the gaps (m, rad) are at rounding, or no longer shrink
+ROUNDING = 1e-15
+STALLED = 0.5
+
+# what may be left then: rows dropped near a singular position cannot be corrected, and need not be
+GAP_ALLOWED = 1e-9
 
 
 @kernel
@@ -75,30 +79,38 @@ def worst_constraint(m, d):
 
 @kernel
 def factor_here(m, d):
-    """Rows and their factor for the positions of d.x. Returns a status."""
-    tree.kinematics(m, d)
+    """Factor of the rows at the positions that kinematics and write_rows have seen. Returns a status."""
     tree.inertias(m, d)
     failure = tree.aba(m, d)
 
-    if failure != OK:
-        return failure
+    if failure == OK:
+        constraints.reach_rows(m, d)
+        constraints.factor_rows(m, d)
 
-    rows.write_rows(m, d)
-    constraints.reach_rows(m, d)
-    constraints.factor_rows(m, d)
-    return OK
+    return failure
 
 
 @kernel
 def project_positions(m, d, gap_allowed):
     """Newton's method to the nearest positions (in the mass metric) where all gaps close. Returns a status.
 
-    `gap_allowed` (m, rad): what may be left where the rows contradict each other by rounding alone.
+    `gap_allowed` (m, rad): what may be left when the gaps no longer shrink. Leaves rows and a factor of (nearly) the
+    positions found, in any case at least one of this call.
     """
+    gap_before = math.inf
+
     for iteration in range(MAX_ITERATIONS):
+        tree.kinematics(m, d)
+        rows.write_rows(m, d)
+        gap = largest(d.row_gap, m.n_row)
+        done = gap <= ROUNDING or (gap > STALLED * gap_before and gap <= gap_allowed)
+
+        if done and iteration > 0:
+            return OK
+
         failure = factor_here(m, d)
 
-        if failure != OK:
+        if failure != OK or done:
             return failure
 
         for row in range(m.n_row):
@@ -111,17 +123,8 @@ def project_positions(m, d, gap_allowed):
             break
 
         # far from the constraints full steps may overshoot
-        factor = 1.0 if size < 0.5 else 0.5 / size
-        move_by_change(m, d, factor)
-
-        if size < SMALL_CHANGE:
-            tree.kinematics(m, d)
-            rows.write_rows(m, d)
-
-            if largest(d.row_gap, m.n_row) <= gap_allowed:
-                return OK
-
-            break
+        move_by_change(m, d, 1.0 if size < 0.5 else 0.5 / size)
+        gap_before = gap
 
     tree.kinematics(m, d)
     rows.write_rows(m, d)
@@ -147,10 +150,102 @@ def project(m, d):
     failure = OK
 
     if m.n_row > 0:
-        failure = project_positions(m, d, 1e-6)
+        failure = project_positions(m, d, GAP_ALLOWED)
 
         if failure == OK:
             project_velocities(m, d)
 
     coordinates.follow_turns(m, d)
     return failure
+
+
+@inlined
+def hold(m, d, what):
+    """Joints with a drive are held, and those whose start values are given for `what` (1 position, 2 velocity)."""
+    for i in range(1, m.n_body):
+        given = (m.body_given[i] // what) % 2 == 1
+        d.held[i] = 1.0 if given or m.body_drive[i] >= 0 else 0.0
+
+
+@inlined
+def start_x(m, d):
+    """Back to d.x_before."""
+    for k in range(m.n_x):
+        d.x[k] = d.x_before[k]
+
+
+@kernel
+def assemble(m, d):
+    """Close the loops from approximate start values in d.x, then make the velocities fit. Returns a status.
+
+    Start values that the user gave are kept where the loops can close so; only where they cannot does everything move.
+    """
+    unit_E(m, d)
+
+    if m.n_row == 0:
+        return OK
+
+    for k in range(m.n_x):
+        d.x_before[k] = d.x[k]
+
+    hold(m, d, 1)
+    failure = project_positions(m, d, GAP_ALLOWED)
+
+    if failure != OK:
+        start_x(m, d)
+        hold(m, d, 4)
+        failure = project_positions(m, d, GAP_ALLOWED)
+
+    if failure != OK:
+        return failure
+
+    speed = 1.0 + largest(d.x, m.n_x)
+
+    for what in (2, 4):
+        hold(m, d, what)
+        failure = factor_here(m, d)
+
+        if failure != OK:
+            return failure
+
+        project_velocities(m, d)
+        tree.kinematics(m, d)
+        rows.write_rows(m, d)
+
+        if largest(d.row_rate, m.n_row) <= 1e-9 * speed:
+            break
+
+    find_redundant(m, d)
+    return OK
+
+
+@inlined
+def find_redundant(m, d):
+    """Mark rows that follow from others not just here but in every position: they are dropped at a position nearby too.
+
+    Keeps d.x. Nearby: a little way along an allowed motion in which every joint takes part.
+    """
+    for k in range(m.n_x):
+        d.x_before[k] = d.x[k]
+
+    for v in range(m.n_v):
+        d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3)
+
+    hold(m, d, 4)
+    tree.kinematics(m, d)
+    rows.write_rows(m, d)
+
+    if factor_here(m, d) == OK:
+        project_velocities(m, d)
+        size = largest(d.x, m.n_x)
+
+        for v in range(m.n_v):
+            d.change[v] = d.x[m.n_q + v]
+
+        move_by_change(m, d, 0.1 / (1.0 + size))
+
+        if project_positions(m, d, GAP_ALLOWED) == OK:
+            for row in range(m.n_row):
+                d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
+
+    start_x(m, d)
