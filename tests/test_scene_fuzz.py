@@ -189,7 +189,71 @@ knife_edge = { lateral = "y" }
 between = ["ground.road", "frame"]
 """
 
-GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE}
+DRIVES = """\
+name = "drives"
+
+[central_gravity]
+mu = 3.986e14
+
+[ground.motion]
+orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }
+
+[body.rotor]
+mass = 1
+inertia = [1, 1, 1]
+
+[body.slide]
+mass = 1
+inertia = [0, 0, 0]
+
+[body.arm]
+mass = 1
+inertia = [1, 1, 1]
+
+[body.tool]
+mass = 1
+inertia = [1, 1, 1]
+
+[joint.motor]
+revolute = { axis = "x" }
+between = ["ground", "rotor"]
+start = { angle_deg = 20 }
+driver = { constant_speed_rpm = 300 }
+output = ["effort"]
+
+[joint.rail]
+prismatic = {}
+between = ["ground", "slide"]
+spring = { table = { position = [-1, 0, 2], effort = [-5, 0, 7] } }
+damper = { table = { speed = [-1, 1], effort = [-2, 2] } }
+friction = { coulomb = 1, static = 2, stribeck_speed = 0.2, viscous = 1, smoothing_speed = 1e-4 }
+stop = { lower = -1, upper = 2, stiffness = 1e5, damping = 10 }
+
+[joint.hinge]
+revolute = {}
+between = ["slide", "arm"]
+stop = { upper_deg = 90, stiffness = 1e3 }
+driver = { harmonic = { amplitude_deg = 10, frequency = 2, phase_deg = 90, mean = 0.1 } }
+
+[joint.wrist]
+revolute = {}
+between = ["arm", "tool"]
+driver = { table = { time = [0, 1, 2], position_deg = [0, 90, 0] } }
+
+[joint.wheel]
+revolute = {}
+between = ["ground", "tool"]
+
+[coupling.pinion]
+rack = { radius = 0.1, offset = 1 }
+between = ["motor", "rail"]
+
+[coupling.sync]
+gear = { ratio = -2, offset_deg = 5 }
+between = ["motor", "wheel"]
+"""
+
+GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES}
 
 
 # the oracle
@@ -224,6 +288,8 @@ def check_sound(scene):
         assert np.isfinite(joint.start_velocity()).all()
         for end in joint.between:
             scene.marker_pose(end)
+    for coupling in scene.coupling.values():
+        assert np.isfinite(coupling.ratio) and set(coupling.between) <= set(scene.joint)
     assert Scene.model_validate(tomllib.loads(scene.to_toml())) == scene
 
 
@@ -534,7 +600,7 @@ MESSAGES = [
     ]),
     (ARM, '["angle", "speed"]', '["angel", "speed"]', [
         '[joint.shoulder] output: no "angel" here; there is "angle", "speed", '
-        '"acceleration", "reaction_force" and "reaction_moment". Did you mean "angle"?',
+        '"acceleration", "effort", "reaction_force" and "reaction_moment". Did you mean "angle"?',
     ]),
     (ARM, '["angle", "speed"]', '"angle"', [
         '[joint.shoulder] output: needs a list, found "angle"; write ["angle"]',
@@ -604,7 +670,7 @@ MESSAGES = [
         '[joint.elbow] between: no body "lowr"; there is "upper", "lower", "ground" and '
         '"inertial". Did you mean "lower"?',
         '[joint.elbow] what: unknown key; there is "revolute", "between", "start", "spring", '
-        '"damper", "input" and "output".',
+        '"damper", "friction", "stop", "driver", "input" and "output".',
     ]),
     (ARM, 'integrator = "rk4"', 'integrator = "rk853"', [
         '[solver] rk853 chooses its step itself; write max_step, or integrator = "rk4"',
@@ -660,6 +726,117 @@ output = ["position", "velocity"]
         '[body.bead] no chain of joints connects it to ground ("rod" is distance, which only '
         'takes freedoms away); to let it move freely, write a joint with free = {} and '
         'between = ["ground", "bead"]',
+    ]),
+    (DRIVES, '[central_gravity]', 'gravity = [0, 0, 0]\n[central_gravity]', [
+        '"gravity" and "central_gravity" exclude each other; keep one of them',
+    ]),
+    (DRIVES, 'mu = 3.986e14', 'mu = -3.986e14', [
+        '[central_gravity] mu: must be greater than 0, at least 1e-30; found -398600000000000.0',
+    ]),
+    (DRIVES, 'pointing = true', 'pointing = "yes"', [
+        '[ground] motion.orbit.pointing: needs true or false, found "yes"',
+    ]),
+    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
+     'rotation = { axis = "z" }', [
+        '[ground] motion.rotation: needs "speed", "speed_deg" or "speed_rpm"',
+    ]),
+    (DRIVES, 'orbit = { radius', 'orbits = { radius', [
+        '[ground] motion: a motion needs one of "acceleration", "rotation", "orbit", "table" or '
+        '"input"; found "orbits". Did you mean "orbit"?',
+    ]),
+    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
+     'table = { time = [0, 1], position = [[0, 0, 0], [1, 0]] }', [
+        '[ground] motion.table.position: needs vectors [x, y, z], found 2 rows of 2 to 3',
+    ]),
+    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
+     'table = { time = [0, 1], euler_parameters = [[0, 0, 0, 1], [0, 0, 0, 2]] }', [
+        '[ground] motion.table.euler_parameters: [2]: Euler parameters [E1, E2, E3, E4], scalar '
+        'last, have unit length; found 2',
+    ]),
+    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
+     'table = { time = [0, 1] }', [
+        '[ground] motion.table: needs "position" or an orientation: "zyx_deg", "zyx_rad" or '
+        '"euler_parameters"',
+    ]),
+    (DRIVES, 'position = [-1, 0, 2], effort = [-5, 0, 7]', 'position = [-1, 0, 0], effort = [1]', [
+        '[joint.rail] spring.table.position: must ascend, but [3] is 0.0 after 0.0',
+        '[joint.rail] spring.table.effort: needs at least 2 numbers, found 1',
+    ]),
+    (DRIVES, 'effort = [-5, 0, 7]', 'effort = [-5, 7]', [
+        '[joint.rail] spring.table: "position" has 3 values and "effort" 2; each needs one of '
+        'the other',
+    ]),
+    (DRIVES, 'effort = [-5, 0, 7] }', 'effort = [-5, 0, 7] }, stiffness = 2, rest = 1', [
+        '[joint.rail] spring: "rest" and "table" exclude each other; keep one of them',
+    ]),
+    (DRIVES, 'spring = { table = { position = [-1, 0, 2], effort = [-5, 0, 7] } }',
+     'spring = { rest = 1 }', [
+        '[joint.rail] spring: needs "stiffness" or "table"',
+    ]),
+    (DRIVES, 'damper = { table = { speed = [-1, 1], effort = [-2, 2] } }', 'damper = "0.1"', [
+        '[joint.rail] damper: needs a number, without quotes or a unit; found "0.1"',
+    ]),
+    (DRIVES, 'damper = { table = { speed', 'damper = { tabl = { speed', [
+        '[joint.rail] damper.table: is missing',
+        '[joint.rail] damper.tabl: unknown key; there is "table". Did you mean "table"?',
+    ]),
+    (DRIVES, 'coulomb = 1, static = 2', 'coulomb = 3, static = 2', [
+        '[joint.rail] friction.static: must be at least coulomb, 3.0; found 2.0',
+    ]),
+    (DRIVES, 'lower = -1, upper = 2', 'lower = 2, upper = -1', [
+        '[joint.rail] stop: lower must be below upper; found 2 and -1',
+    ]),
+    (DRIVES, 'upper_deg = 90, ', '', [
+        '[joint.hinge] stop: needs "lower" or "upper", or both',
+    ]),
+    (DRIVES, 'constant_speed_rpm = 300', 'speed_rpm = 300', [
+        '[joint.motor] driver.speed_rpm: unknown key; there is "constant_speed", '
+        '"constant_speed_deg", "constant_speed_rpm", "harmonic", "table" and "input". Did you '
+        'mean "constant_speed_rpm"?',
+    ]),
+    (DRIVES, 'constant_speed_rpm = 300', 'constant_speed_rpm = 300, input = true', [
+        '[joint.motor] driver: "constant_speed_rpm" and "input" exclude each other; keep one of '
+        'them',
+    ]),
+    (DRIVES, 'constant_speed_rpm = 300', 'input = false', [
+        '[joint.motor] driver.input: can only be true, found false; leave it out if it is not '
+        'wanted',
+    ]),
+    (DRIVES, 'start = { angle_deg = 20 }', 'start = { speed = 20 }', [
+        '[joint.motor] the driver says how fast the joint starts; drop that of the start',
+    ]),
+    (DRIVES, 'start = { angle_deg = 20 }', 'input = "torque"', [
+        '[joint.motor] "torque" cannot act on a driven joint; drop the input',
+    ]),
+    (DRIVES, 'driver = { constant_speed_rpm = 300 }\n', '', [
+        '[joint.motor] output "effort" is that of a driver, and there is none',
+    ]),
+    (DRIVES, 'upper_deg = 90, stiffness = 1e3 }',
+     'upper_deg = 90, stiffness = 1e3 }\nstart = { angle = 1 }', [
+        '[joint.hinge] the driver says where the joint starts and how fast; drop the start',
+    ]),
+    (DRIVES, 'frequency = 2, ', '', [
+        '[joint.hinge] driver.harmonic.frequency: is missing (frequency in Hz)',
+    ]),
+    (DRIVES, 'between = ["motor", "rail"]', 'between = ["rail", "motor"]', [
+        '[coupling.pinion] between: "rail" is not "revolute", as the first joint of rack must be',
+    ]),
+    (DRIVES, 'between = ["motor", "rail"]', 'between = ["motor", "rael"]', [
+        '[coupling.pinion] between: no joint "rael"; there is "motor", "rail", "hinge", "wrist" '
+        'and "wheel". Did you mean "rail"?',
+    ]),
+    (DRIVES, 'between = ["motor", "rail"]', 'between = ["motor", "motor"]', [
+        '[coupling.pinion] between: both are "motor"; a coupling is between two joints',
+    ]),
+    (DRIVES, 'between = ["motor", "wheel"]', 'between = ["motor", "wrist"]', [
+        '[coupling.sync] between: both joints are driven; one of them follows the other, so drop '
+        'a driver',
+    ]),
+    (DRIVES, 'ratio = -2', 'ratio = 0', [
+        '[coupling.sync] gear.ratio: must not be 0, nor below 1e-30; found 0',
+    ]),
+    (DRIVES, '[coupling.sync]', '[coupling.rail]', [
+        '[coupling.rail] a joint has this name too; choose another',
     ]),
 ]
 

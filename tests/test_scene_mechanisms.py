@@ -105,3 +105,126 @@ def test_inertial_frame_is_an_end():
     assert owner == "inertial"
     assert_allclose(position, np.zeros(3))
     assert_allclose(A, np.eye(3))
+
+
+# what acts in joints
+
+def test_tables_in_si():
+    joint = joint_of(revolute={}, spring={"table": {"position_deg": [-180, 90], "effort": [-1, 2]}},
+                     damper={"table": {"speed": [0, 1], "effort": [0, 3]}})
+    angle, effort = joint.spring.table.points()
+    assert_allclose(angle, [-np.pi, np.pi / 2])
+    assert_allclose(effort, [-1, 2])
+    assert joint.spring.stiffness is None
+    assert_allclose(joint.damper.table.points(), [[0, 1], [0, 3]])
+
+
+def test_friction_and_stops():
+    joint = joint_of(revolute={}, friction={"coulomb": 2},
+                     stop={"upper_deg": 90, "stiffness": 5, "damping": 1})
+    friction, stop = joint.friction, joint.stop
+    assert (friction.coulomb, friction.static, friction.viscous) == (2, 2, 0)
+    assert (friction.stribeck_speed, friction.smoothing_speed) == (0.1, 1e-3)
+    assert (stop.lower_value(), stop.stiffness, stop.damping) == (-np.inf, 5, 1)
+    assert_allclose(stop.upper_value(), np.pi / 2)
+
+
+def test_drivers_in_si():
+    driver = joint_of(revolute={}, driver={"constant_speed_rpm": 60}, output=["effort"]).driver
+    assert driver.kind == "constant_speed"
+    assert_allclose(driver.speed(), 2 * np.pi)
+
+    harmonic = {"amplitude_deg": 90, "frequency": 3, "phase_deg": 180, "mean": 1}
+    driver = joint_of(revolute={}, driver={"harmonic": harmonic}).driver
+    assert driver.kind == "harmonic"
+    assert_allclose(driver.harmonic.amplitude_value(), np.pi / 2)
+    assert_allclose(driver.harmonic.phase_value(), np.pi)
+    assert (driver.harmonic.mean_value(), driver.harmonic.frequency) == (1, 3)
+
+    driver = joint_of(prismatic={}, driver={"table": {"time": [0, 2], "position": [1, 5]}}).driver
+    assert driver.kind == "table"
+    assert_allclose(driver.table.points(), [[0, 2], [1, 5]])
+
+    # the commands may have start values
+    joint = joint_of(revolute={}, driver={"input": True}, start={"angle": 1})
+    assert joint.driver.kind == "input"
+    assert_allclose(joint.start_position(), [1])
+
+
+@pytest.mark.parametrize("kind, options, ratio, offset", [
+    ("gear", {"ratio": -2, "offset_deg": 180}, -2, np.pi),
+    ("rack", {"radius": 0.3}, 0.3, None),
+    ("screw", {"pitch": np.pi, "offset": 0.1}, 0.5, 0.1),
+    ("linear", {"ratio": 7}, 7, None),
+])
+def test_couplings(kind, options, ratio, offset):
+    slide = "revolute" if kind == "gear" else "prismatic"
+    scene = scene_of(
+        joint={"p": {"revolute": {}, "between": ["ground", "a"]},
+               "q": {slide: {}, "between": ["ground", "b"]}},
+        coupling={"c": {kind: options, "between": ["p", "q"]}},
+    )
+    coupling = scene.coupling["c"]
+    assert (coupling.kind, coupling.between) == (kind, ("p", "q"))
+    assert_allclose(coupling.ratio, ratio)
+    if offset is None:
+        assert coupling.offset is None
+    else:
+        assert_allclose(coupling.offset, offset)
+
+
+# motion of the ground, gravity
+
+def motion_of(**motion):
+    return scene_of(ground={"motion": motion}).ground.motion
+
+
+def test_motions_of_the_ground():
+    assert scene_of().ground.motion is None
+
+    motion = motion_of(acceleration=[1, 2, 3], velocity=[4, 5, 6])
+    assert (motion.kind, motion.acceleration, motion.velocity) == (
+        "acceleration", (1, 2, 3), (4, 5, 6))
+    assert motion.position == (0, 0, 0)
+
+    motion = motion_of(rotation={"axis": [0, 3, 4], "speed_rpm": 30, "angle_deg": 90})
+    assert motion.kind == "rotation"
+    assert_allclose(motion.rotation.direction(), [0, 0.6, 0.8])
+    assert_allclose(motion.rotation.speed_value(), np.pi)
+    assert_allclose(motion.rotation.angle_value(), np.pi / 2)
+
+    motion = motion_of(orbit={"radius": 7e6, "rate": 1e-3, "phase_deg": 180, "pointing": False})
+    assert (motion.kind, motion.orbit.pointing) == ("orbit", False)
+    assert_allclose(motion.orbit.axes(), np.eye(3))
+    assert_allclose(motion.orbit.phase_value(), np.pi)
+
+    assert motion_of(input=True).kind == "input"
+
+
+def test_motion_by_table():
+    turn = [[0, 0, 0], [170, 0, 0], [340, 0, 0]]
+    motion = motion_of(table={"time": [0, 1, 2], "zyx_deg": turn})
+    time, position, E = motion.table.points()
+
+    assert motion.kind == "table"
+    assert_allclose(time, [0, 1, 2])
+    assert_allclose(position, np.zeros((3, 3)))
+    # the short way round, without a jump in sign
+    half = np.radians([0, 85, 170])
+    zero = np.zeros(3)
+    assert_allclose(E, np.column_stack([zero, zero, np.sin(half), np.cos(half)]), atol=1e-15)
+
+    quarter = [[0, 0, 0, 1], [0, 0, -np.sqrt(0.5), -np.sqrt(0.5)]]
+    motion = motion_of(table={"time": [0, 1], "euler_parameters": quarter,
+                              "position": [[1, 2, 3], [4, 5, 6]]})
+    _, position, E = motion.table.points()
+    assert_allclose(position, [[1, 2, 3], [4, 5, 6]])
+    assert_allclose(E[1], [0, 0, np.sqrt(0.5), np.sqrt(0.5)])
+
+
+def test_central_gravity_replaces_the_uniform_one():
+    scene = scene_of(central_gravity={"mu": 4e14})
+    assert scene.central_gravity.mu == 4e14
+    assert scene.gravity == (0, 0, 0)
+    assert scene_of().central_gravity is None
+    assert scene_of().gravity == (0, 0, -9.81)

@@ -1,11 +1,12 @@
 """What a user writes: the scene, its schema, reader, checks, and messages that name the place."""
 
 from .bodies import Body, Ground, GroundMarker, Marker
-from .errors import Problem, SceneError
-from .forces import Force, Linear, SpringDamper
 from .constraints import (
     Distance, KnifeEdge, PointOnLine, PointOnPlane, RollingDisk, RollingSphere,
 )
+from .couplings import Coupling, Gear, Rack, Ratio, Spindle
+from .errors import Problem, SceneError
+from .forces import Force, Linear, SpringDamper
 from .joints import (
     Cylindrical, Fixed, Free, Joint, Planar, Prismatic, Revolute, Screw, Spherical, Translation,
     Universal,
@@ -16,9 +17,10 @@ from .schema import Scene, Solver
 from .writer import write_scene
 
 __all__ = [
-    "Body", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Ground", "GroundMarker", "Joint",
-    "KnifeEdge", "Linear", "Marker", "Planar", "PointOnLine", "PointOnPlane", "Prismatic",
-    "Problem", "Revolute", "RollingDisk", "RollingSphere", "Scene", "SceneError", "Screw",
-    "Solver", "Spherical", "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene",
-    "read_scene", "write_scene",
+    "Body", "Coupling", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Gear", "Ground",
+    "GroundMarker", "Joint", "KnifeEdge", "Linear", "Marker", "Planar", "PointOnLine",
+    "PointOnPlane", "Prismatic", "Problem", "Rack", "Ratio", "Revolute", "RollingDisk",
+    "RollingSphere", "Scene", "SceneError", "Screw", "Solver", "Spherical", "Spindle",
+    "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene", "read_scene",
+    "write_scene",
 ]

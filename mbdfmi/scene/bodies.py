@@ -7,6 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from .errors import listed
 from .fields import Array, OneOf, Part, Positive, SomeOf, Vector
+from .motion import Motion
 from .names import Name
 from .orientation import Oriented, Placed
 from .solids import Solid, composite
@@ -82,7 +83,7 @@ class Observed(Part):
 
 
 class GroundMarker(Placed):
-    """A frame that stands still; its position and orientation are inertial."""
+    """A frame on the ground, its position and orientation in the ground's."""
 
 
 class Marker(Observed, Placed):
@@ -140,6 +141,10 @@ class Body(Observed, Massive):
 
 
 class Ground(Part):
-    """The inertial frame and the markers on it, by name."""
+    """The frame of the assembly, with markers on it by name.
 
+    motion : of it in the inertial frame, or None: it is the inertial frame.
+    """
+
+    motion: Motion | None = None
     marker: dict[Name, GroundMarker] = {}

@@ -8,6 +8,7 @@ its message from the schema.
 from pydantic import BaseModel
 
 from .constraints import CONSTRAINTS
+from .couplings import COUPLINGS, CouplingBase
 from .errors import NAMED_TABLES, Problem, did_you_mean, listed, place_text, quoted
 from .names import FRAMES, fmi_name
 
@@ -23,7 +24,7 @@ def cross_references(data):
     problems = []
     for table in NAMED_TABLES:
         problems += _same_names((table,), _entries(data, table))
-    problems += _shared_names(_entries(data, "joint"), _entries(data, "force"))
+    problems += _shared_names(data)
     for name, body in bodies.items():
         problems += _same_names(("body", name, "marker"), _entries(body, "marker"))
     problems += _same_names(("ground", "marker"), _entries(ground, "marker"))
@@ -37,12 +38,17 @@ def cross_references(data):
     markers["ground"] = _plain_entries(ground, "marker")
     markers["inertial"] = []
 
+    joints = {_plain(name): joint for name, joint in _entries(data, "joint").items()}
+    for name, coupling in _entries(data, "coupling").items():
+        if text := _wrong_coupling(coupling, joints):
+            problems.append(Problem(("coupling", name, "between"), text))
+
     edges, slack = [], {}
     all_clear = True
     for table in ("joint", "force"):
         for name, entry in _entries(data, table).items():
             ends = _ends(entry)
-            wrong = _wrong_ends(table, ends, markers, _plain_entries(data, "joint"))
+            wrong = _wrong_ends(table, ends, markers, joints)
             problems += [Problem((table, name, "between"), text) for text in wrong]
 
             if table == "joint":
@@ -136,14 +142,45 @@ def _same_names(path, names):
     return problems
 
 
-def _shared_names(joints, forces):
-    # both have parameters such as stiffness; those of bodies have other names
-    taken = {fmi_name(_plain(name)) for name in joints}
-    return [
-        Problem(("force", name), "a joint has this name too; choose another")
-        for name in forces
-        if fmi_name(_plain(name)) in taken
-    ]
+def _shared_names(data):
+    # they have parameters such as stiffness and ratio; those of bodies have other names
+    problems, taken = [], {}
+    for table in ("joint", "coupling", "force"):
+        for name in _entries(data, table):
+            first = taken.setdefault(fmi_name(_plain(name)), table)
+            if first != table:
+                text = f"a {first} has this name too; choose another"
+                problems.append(Problem((table, name), text))
+    return problems
+
+
+def _wrong_coupling(coupling, joints):
+    """What is wrong with the joints of a coupling, or None. joints : {name: joint}."""
+    names = _get(coupling, "between")
+    if not isinstance(names, (list, tuple)) or len(names) != 2:
+        return None
+    if not all(isinstance(name, str) for name in names):
+        return None
+
+    names = [_plain(name) for name in names]
+    for name in names:
+        if name not in joints:
+            text = f"no joint {quoted(name)}; there is {listed(joints) or 'none'}."
+            return text + did_you_mean(name, joints)
+    if names[0] == names[1]:
+        return f"both are {quoted(names[0])}; a coupling is between two joints"
+
+    cls = next((cls for cls in COUPLINGS if _get(coupling, cls.kind) is not None), CouplingBase)
+    for name, which, kinds in zip(names, ("first", "second"), cls.kinds):
+        if not any(_get(joints[name], kind) is not None for kind in kinds):
+            what = cls.kind if cls.kind else "a coupling"
+            return (
+                f"{quoted(name)} is not {listed(kinds, 'or')}, as the {which} joint of "
+                f"{what} must be"
+            )
+    if all(_get(joints[name], "driver") is not None for name in names):
+        return "both joints are driven; one of them follows the other, so drop a driver"
+    return None
 
 
 def _wrong_ends(table, ends, markers, joints):

@@ -12,8 +12,9 @@ import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-# Tables whose entries have names of their own: [body.upper], [joint.elbow], [force.strut].
-NAMED_TABLES = ("body", "joint", "force")
+# Tables whose entries have names of their own, as [body.upper], and other tables.
+NAMED_TABLES = ("body", "joint", "coupling", "force")
+TABLES = ("ground", "solver", "central_gravity")
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def place_text(path):
     if not path:
         return ""
 
-    in_table = path[0] in (*NAMED_TABLES, "ground", "solver")
+    in_table = path[0] in NAMED_TABLES + TABLES
     depth = (2 if path[0] in NAMED_TABLES else 1) if in_table else 0
     table, keys = path[:depth], path[depth:]
 

@@ -57,6 +57,24 @@ NotNegative = Annotated[float, BeforeValidator(_not_negative)]
 NotZero = Annotated[float, BeforeValidator(_not_zero)]
 
 
+# yes and no
+
+def _boolean(value):
+    if not isinstance(value, bool):
+        raise ValueError(f"needs true or false, found {show(value)}")
+    return value
+
+
+def _flag(value):
+    if value is not True:
+        raise ValueError(f"can only be true, found {show(value)}; leave it out if it is not wanted")
+    return value
+
+
+Boolean = Annotated[bool, BeforeValidator(_boolean)]
+Flag = Annotated[bool, BeforeValidator(_flag)]
+
+
 # arrays
 
 def array(value, *shapes, what):
@@ -126,6 +144,14 @@ def unit_vector(axis):
     return vector / np.linalg.norm(vector)
 
 
+def plane_axes(normal):
+    """(3, 3): x in the plane, y in the plane and the unit vector `normal`, by column."""
+    helper = np.eye(3)[0 if np.linalg.norm(normal[1:]) > 1e-6 else 1]
+    x = helper - normal * (normal @ helper)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(normal, x), normal])
+
+
 # choices
 
 def _choice(value, options):
@@ -166,11 +192,11 @@ def SomeOf(*options, bare=False):
 
 # values in one of several units
 
-UNITS = {"": 1.0, "_deg": np.pi / 180, "_rpm": np.pi / 30}
+UNITS = {"": 1.0, "_rad": 1.0, "_deg": np.pi / 180, "_rpm": np.pi / 30}
 
 
 def in_si(part, key, default=0.0):
-    """The value of a part's key in SI units, by whichever of key, key_deg, key_rpm it is given."""
+    """The value of a part's key in SI units, by whichever of key, key_deg, ... it is given."""
     for unit, factor in UNITS.items():
         value = getattr(part, key + unit, None)
         if value is not None:
@@ -252,3 +278,13 @@ def by_key(what, *classes):
 
     union = Union[tuple(Annotated[cls, Tag(TAG + cls.kind)] for cls in classes)]
     return Annotated[union, Discriminator(tag), BeforeValidator(check)]
+
+
+def number_or(number_type, cls):
+    """The union of a type of number and a class of tables."""
+    union = Annotated[number_type, Tag(TAG + "number")] | Annotated[cls, Tag(TAG + "table")]
+
+    def tag(value):
+        return TAG + ("table" if isinstance(value, (dict, cls)) else "number")
+
+    return Annotated[union, Discriminator(tag)]

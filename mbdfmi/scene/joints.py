@@ -3,17 +3,23 @@
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from .constraints import CONSTRAINTS
-from .efforts import AngularSpring, LinearSpring
-from .errors import show
-from .fields import Axis, Empty, NotNegative, NotZero, Part, SomeOf, axis, by_key, unit_vector
+from .efforts import (
+    AngularDriver, AngularSpring, AngularStop, Friction, LinearDriver, LinearSpring, LinearStop,
+)
+from .errors import listed, show
+from .fields import (
+    Axis, Empty, NotNegative, NotZero, Part, SomeOf, axis, by_key, number_or, plane_axes,
+    unit_vector,
+)
 from .joint_base import REACTIONS, AxisOptions, JointBase, NormalOptions, Plain
 from .starts import (
     CylindricalStart, FreeStart, PlanarStart, PrismaticStart, RevoluteStart, ScrewStart,
     SphericalStart, TranslationStart, UniversalStart,
 )
+from .tables import EffortDamper
 
 
 class Fixed(Plain):
@@ -36,7 +42,26 @@ class Fixed(Plain):
 
 # one freedom
 
-class Revolute(JointBase):
+class Driveable(JointBase):
+    """A joint whose motion a driver may prescribe."""
+
+    @model_validator(mode="after")
+    def _check_driver(self):
+        if not self.driver:
+            if "effort" in self.output:
+                raise ValueError('output "effort" is that of a driver, and there is none')
+            return self
+
+        if self.input:
+            raise ValueError(f"{listed(self.input)} cannot act on a driven joint; drop the input")
+        if self.driver.kind in ("harmonic", "table") and self.start_given:
+            raise ValueError("the driver says where the joint starts and how fast; drop the start")
+        if self.driver.kind == "constant_speed" and self.holds_velocity:
+            raise ValueError("the driver says how fast the joint starts; drop that of the start")
+        return self
+
+
+class Revolute(Driveable):
     """Rotation about an axis. damper : N m s/rad. input : torque, N m."""
 
     kind: ClassVar[str] = "revolute"
@@ -44,12 +69,15 @@ class Revolute(JointBase):
     revolute: AxisOptions
     start: RevoluteStart = RevoluteStart()
     spring: AngularSpring | None = None
-    damper: NotNegative = 0.0
+    damper: number_or(NotNegative, EffortDamper) = 0.0
+    friction: Friction | None = None
+    stop: AngularStop | None = None
+    driver: AngularDriver | None = None
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("angle", "speed", "acceleration", *REACTIONS) = []
+    output: SomeOf("angle", "speed", "acceleration", "effort", *REACTIONS) = []
 
 
-class Prismatic(JointBase):
+class Prismatic(Driveable):
     """Translation along an axis. damper : N s/m. input : force, N."""
 
     kind: ClassVar[str] = "prismatic"
@@ -57,9 +85,12 @@ class Prismatic(JointBase):
     prismatic: AxisOptions
     start: PrismaticStart = PrismaticStart()
     spring: LinearSpring | None = None
-    damper: NotNegative = 0.0
+    damper: number_or(NotNegative, EffortDamper) = 0.0
+    friction: Friction | None = None
+    stop: LinearStop | None = None
+    driver: LinearDriver | None = None
     input: SomeOf("force", bare=True) = []
-    output: SomeOf("position", "speed", "acceleration", *REACTIONS) = []
+    output: SomeOf("position", "speed", "acceleration", "effort", *REACTIONS) = []
 
 
 class ScrewOptions(AxisOptions):
@@ -147,14 +178,6 @@ class Planar(Plain):
     def axes(self):
         """(3, 3): the two axes of the plane and its normal by column, in either marker's axes."""
         return plane_axes(self.axis)
-
-
-def plane_axes(normal):
-    """(3, 3): x in the plane, y in the plane and the unit vector `normal`, by column."""
-    helper = np.eye(3)[0 if np.linalg.norm(normal[1:]) > 1e-6 else 1]
-    x = helper - normal * (normal @ helper)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(normal, x), normal])
 
 
 class Translation(Plain):

@@ -12,7 +12,8 @@ from .fields import Array, Axis, Number, OneOf, Part, Vector, unit_vector
 ANGLES = "3 angles [yaw, pitch, roll]"
 
 
-def _euler_parameters(values):
+def unit_euler_parameters(values):
+    """The values (4,) if their length is near 1, or ValueError."""
     length = np.linalg.norm(values)
     if abs(length - 1) > 1e-3:
         raise ValueError(
@@ -60,7 +61,7 @@ class Oriented(Part):
 
     euler_parameters: Annotated[
         Array((4,), what="4 numbers [E1, E2, E3, E4], scalar last") | None,
-        AfterValidator(lambda values: values if values is None else _euler_parameters(values)),
+        AfterValidator(lambda values: values if values is None else unit_euler_parameters(values)),
     ] = None
     zyx_deg: Array((3,), what=ANGLES + " in degrees") | None = None
     zyx_rad: Array((3,), what=ANGLES + " in rad") | None = None

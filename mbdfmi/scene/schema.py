@@ -5,6 +5,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from .bodies import Body, Ground
 from .checks import clashes, cross_references
+from .couplings import Coupling
 from .errors import SceneError
 from .fields import OneOf, Part, Positive, SomeOf, Vector
 from .forces import Force
@@ -58,15 +59,27 @@ def _order(path, data):
     return order
 
 
+class CentralGravity(Part):
+    """Weight -mu r / |r|^3 per mass, r from the inertial origin. mu : m3/s2."""
+
+    mu: Positive = Field(description="mu in m3/s2, of the earth 3.986e14")
+
+
+def _gravity(data):
+    """Of a scene that says nothing of it."""
+    return (0.0, 0.0, 0.0) if data.get("central_gravity") else (0.0, 0.0, -9.81)
+
+
 class Scene(Part):
     """A multibody scene.
 
     name : free text.
     title, description : free text, or None.
-    gravity : (3,) in m/s2 in the inertial frame.
+    central_gravity : or None.
+    gravity : (3,) in m/s2 in the inertial frame; 0 with central_gravity.
     output : any of "kinetic_energy", "potential_energy", "total_energy" (J).
     solver, ground : as above.
-    body, joint, force : by name, in the order written.
+    body, joint, coupling, force : by name, in the order written.
 
     Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
     with all that is wrong.
@@ -75,13 +88,21 @@ class Scene(Part):
     name: Title = Field(description='name of the scene, as in name = "pendulum"')
     title: Title | None = None
     description: Text | None = None
-    gravity: Vector = (0.0, 0.0, -9.81)
+    central_gravity: CentralGravity | None = None
+    gravity: Vector = Field(default_factory=_gravity)
     output: SomeOf("kinetic_energy", "potential_energy", "total_energy") = []
     solver: Solver = Solver()
     ground: Ground = Ground()
     body: dict[Name, Body] = {}
     joint: dict[Name, Joint] = {}
+    coupling: dict[Name, Coupling] = {}
     force: dict[Name, Force] = {}
+
+    @model_validator(mode="after")
+    def _check_gravity(self):
+        if self.central_gravity and "gravity" in self.model_fields_set:
+            raise ValueError('"gravity" and "central_gravity" exclude each other; keep one of them')
+        return self
 
     @model_validator(mode="wrap")
     @classmethod

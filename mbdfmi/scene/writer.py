@@ -70,6 +70,8 @@ def _value(value):
     """A value on one line."""
     if isinstance(value, str):
         return quoted(value)
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, dict):
         pairs = [f"{key_text(key)} = {_value(item)}" for key, item in value.items()]
         return "{ " + ", ".join(pairs) + " }" if pairs else "{}"

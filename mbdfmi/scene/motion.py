@@ -1,0 +1,170 @@
+"""Prescribed motion of the ground, the frame of the whole assembly, in the inertial frame."""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+from scipy.spatial.transform import Rotation as SpatialRotation
+
+from .fields import (
+    Axis, Boolean, Flag, NotZero, Number, Part, Positive, Vector, by_key, in_si, plane_axes,
+    unit_vector,
+)
+from .orientation import unit_euler_parameters
+from .tables import Ascending, Rows, Table, Vectors
+
+
+class ConstantAcceleration(Part):
+    """acceleration, and velocity and position at time 0 : (3,) in m/s2, m/s, m. No rotation."""
+
+    kind: ClassVar[str] = "acceleration"
+
+    acceleration: Vector
+    velocity: Vector = (0.0, 0.0, 0.0)
+    position: Vector = (0.0, 0.0, 0.0)
+
+
+class RotationOptions(Part):
+    """A uniform rotation about an axis through a point; where the angle is 0, ground is inertial.
+
+    axis : fixed in both frames.
+    speed (rad/s), speed_deg (deg/s) or speed_rpm.
+    point : (3,) in m, in both frames.
+    angle (rad) or angle_deg : at time 0.
+    """
+
+    exclusive = (("angle", "angle_deg"),)
+    needed = (("speed", "speed_deg", "speed_rpm"),)
+
+    axis: Axis = "z"
+    speed: Number | None = None
+    speed_deg: Number | None = None
+    speed_rpm: Number | None = None
+    point: Vector = (0.0, 0.0, 0.0)
+    angle: Number | None = None
+    angle_deg: Number | None = None
+
+    def direction(self):
+        """The axis, a unit vector (3,)."""
+        return unit_vector(self.axis)
+
+    def speed_value(self):
+        """rad/s."""
+        return in_si(self, "speed")
+
+    def angle_value(self):
+        """rad, at time 0."""
+        return in_si(self, "angle")
+
+
+class Rotation(Part):
+    """rotation = { axis, speed, point, angle }"""
+
+    kind: ClassVar[str] = "rotation"
+
+    rotation: RotationOptions
+
+
+class OrbitOptions(Part):
+    """A circular orbit about the inertial origin.
+
+    radius : m.
+    rate : rad/s.
+    normal : of the orbit's plane. The angle in it counts from the inertial x axis, projected into
+        the plane (the y axis where the normal is the x axis).
+    phase_deg : angle at time 0.
+    pointing : whether the ground's x axis stays radial and its y axis along the track; else the
+        ground keeps the axes of the inertial frame.
+    """
+
+    radius: Positive = Field(description="radius in m")
+    rate: NotZero = Field(description="rate in rad/s")
+    normal: Axis = "z"
+    phase_deg: Number = 0.0
+    pointing: Boolean = True
+
+    def axes(self):
+        """(3, 3): the radial direction and that of the track at angle 0, and the normal, by column."""
+        return plane_axes(unit_vector(self.normal))
+
+    def phase_value(self):
+        """rad."""
+        return in_si(self, "phase")
+
+
+class Orbit(Part):
+    """orbit = { radius, rate, normal, phase_deg, pointing }"""
+
+    kind: ClassVar[str] = "orbit"
+
+    orbit: OrbitOptions
+
+
+def _unit_rows(rows):
+    for i, row in enumerate(rows, 1):
+        try:
+            unit_euler_parameters(row)
+        except ValueError as error:
+            raise ValueError(f"[{i}]: {error}") from None
+    return rows
+
+
+class PoseOverTime(Table):
+    """time : s, and either or both of
+
+    position : (n, 3) in m.
+    zyx_deg, zyx_rad : (n, 3) yaw, pitch, roll; or euler_parameters : (n, 4), scalar last.
+    """
+
+    exclusive = (("zyx_deg", "zyx_rad", "euler_parameters"),)
+
+    time: Ascending
+    position: Vectors | None = None
+    zyx_deg: Rows(3, "rows of angles [yaw, pitch, roll] in degrees") | None = None
+    zyx_rad: Rows(3, "rows of angles [yaw, pitch, roll] in rad") | None = None
+    euler_parameters: Annotated[
+        Rows(4, "rows of Euler parameters [E1, E2, E3, E4], scalar last"),
+        AfterValidator(_unit_rows),
+    ] | None = None
+
+    @model_validator(mode="after")
+    def _check_not_empty(self):
+        if not self.model_fields_set - {"time"}:
+            raise ValueError(
+                'needs "position" or an orientation: "zyx_deg", "zyx_rad" or "euler_parameters"'
+            )
+        return self
+
+    def points(self):
+        """(time (n,), position (n, 3), Euler parameters (n, 4) that do not jump in sign)."""
+        time = np.array(self.time)
+        position = np.zeros((len(time), 3)) if self.position is None else np.array(self.position)
+
+        if self.euler_parameters is not None:
+            E = SpatialRotation.from_quat(self.euler_parameters).as_quat()
+        else:
+            angles = in_si(self, "zyx", np.zeros((len(time), 3)))
+            E = SpatialRotation.from_euler("ZYX", angles).as_quat()
+
+        turns = np.sum(E[1:] * E[:-1], axis=1) < 0
+        E[1:][np.cumsum(turns) % 2 == 1] *= -1
+        return time, position, E
+
+
+class Tabulated(Part):
+    """table = { time, position, zyx_deg }: splines through the points."""
+
+    kind: ClassVar[str] = "table"
+
+    table: PoseOverTime
+
+
+class FromInputs(Part):
+    """input = true: position, velocity, acceleration, euler_parameters, omega, alpha are inputs."""
+
+    kind: ClassVar[str] = "input"
+
+    input: Flag
+
+
+Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, Tabulated, FromInputs)
