@@ -253,7 +253,57 @@ gear = { ratio = -2, offset_deg = 5 }
 between = ["motor", "wheel"]
 """
 
-GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES}
+LOADS = """\
+name = "loads"
+output = ["linear_momentum", "center_of_mass", "constraint_gap", "multipliers"]
+
+[body.a]
+mass = 1
+inertia = [1, 1, 1]
+output = ["acceleration", "alpha_body"]
+marker.m = { position = [1, 0, 0] }
+
+[body.b]
+mass = 1
+inertia = [1, 1, 1]
+
+[joint.a]
+free = {}
+between = ["ground", "a"]
+
+[joint.b]
+free = {}
+between = ["ground", "b"]
+
+[force.actuator]
+spring_damper = { table = { length = [0, 1], force = [0, 5] }, damping = 2 }
+between = ["ground", "a.m"]
+input = "force"
+output = ["length", "rate"]
+
+[force.damper]
+spring_damper = { stiffness = 0, damping = { table = { speed = [-1, 1], force = [-2, 1] } } }
+between = ["a", "b"]
+output = ["force"]
+
+[force.mount]
+bushing = { stiffness = [1, 2, 3, 4, 5, 6], damping = [1, 1, 1, 0, 0, 0] }
+between = ["a", "b"]
+
+[force.push]
+load = { force = [1, 0, 0], axes = "body" }
+on = "a.m"
+
+[force.gust]
+load = { table = { time = [0, 1], force = [[0, 0, 0], [1, 0, 0]], moment = [[0, 0, 0], [0, 0, 1]] } }
+on = "b"
+
+[measure.gap]
+between = ["a.m", "b"]
+output = ["distance", "distance_rate", "angle", "acceleration"]
+"""
+
+GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS}
 
 
 # the oracle
@@ -777,7 +827,7 @@ output = ["position", "velocity"]
         '[joint.rail] damper: needs a number, without quotes or a unit; found "0.1"',
     ]),
     (DRIVES, 'damper = { table = { speed', 'damper = { tabl = { speed', [
-        '[joint.rail] damper.table: is missing',
+        '[joint.rail] damper.table: is missing (as in table = { speed = [...], effort = [...] })',
         '[joint.rail] damper.tabl: unknown key; there is "table". Did you mean "table"?',
     ]),
     (DRIVES, 'coulomb = 1, static = 2', 'coulomb = 3, static = 2', [
@@ -837,6 +887,58 @@ output = ["position", "velocity"]
     ]),
     (DRIVES, '[coupling.sync]', '[coupling.rail]', [
         '[coupling.rail] a joint has this name too; choose another',
+    ]),
+    (LOADS, '"constraint_gap"', '"constraint_gaps"', [
+        'output: no "constraint_gaps" here; there is "kinetic_energy", "potential_energy", '
+        '"total_energy", "gravity_energy", "spring_energy", "linear_momentum", '
+        '"angular_momentum", "center_of_mass", "constraint_gap", "constraint_rate" and '
+        '"multipliers". Did you mean "constraint_gap"?',
+    ]),
+    (LOADS, '"acceleration", "alpha_body"', '"acceleraton"', [
+        '[body.a] output: no "acceleraton" here; there is "position", "velocity", "acceleration", '
+        '"euler_parameters", "zyx", "omega", "alpha", "velocity_body", "acceleration_body", '
+        '"omega_body" and "alpha_body". Did you mean "acceleration"?',
+    ]),
+    (LOADS, 'damping = 2 }', 'damping = 2, rest_length = 1 }', [
+        '[force.actuator] spring_damper: "rest_length" and "table" exclude each other; keep one '
+        'of them',
+    ]),
+    (LOADS, 'stiffness = 0, ', '', [
+        '[force.damper] spring_damper: needs "stiffness" or "table"',
+    ]),
+    (LOADS, '["length", "rate"]', '["force"]', [
+        '[force.actuator] output: the variable actuator.force cannot be both input and output; '
+        'drop one of them',
+    ]),
+    (LOADS, '[1, 2, 3, 4, 5, 6]', '[1, 2, 3]', [
+        '[force.mount] bushing.stiffness: needs 6 numbers, the diagonal [x, y, z, rx, ry, rz], or '
+        'a 6x6 matrix, found [1, 2, 3]',
+    ]),
+    (LOADS, 'on = "a.m"', 'between = ["ground", "a.m"]', [
+        '[force.push] on: is missing (the end it acts on, as in on = "body.marker")',
+        '[force.push] between: unknown key; there is "load" and "on".',
+    ]),
+    (LOADS, 'on = "a.m"', 'on = "a.tip"', [
+        '[force.push] on: no marker "tip" on body "a"; it has "m".',
+    ]),
+    (LOADS, 'on = "b"', 'on = "ground"', [
+        '[force.gust] on: "ground" does not move by a load; name a body',
+    ]),
+    (LOADS, 'force = [1, 0, 0], axes', 'axes', [
+        '[force.push] load: needs "force", "moment" or "table"',
+    ]),
+    (LOADS, 'force = [1, 0, 0], axes = "body"', 'forces = [1, 0, 0]', [
+        '[force.push] load.forces: unknown key; there is "force", "moment", "table" and "axes". '
+        'Did you mean "force"?',
+    ]),
+    (LOADS, 'time = [0, 1], force', 'time = [0, 1, 2], force', [
+        '[force.gust] load.table: "time" has 3 values and "force" 2; each needs one of the other',
+    ]),
+    (LOADS, '["a.m", "b"]', '["a.m", "b.m"]', [
+        '[measure.gap] between: no marker "m" on body "b"; it has none.',
+    ]),
+    (LOADS, 'output = ["distance", "distance_rate", "angle", "acceleration"]', '', [
+        '[measure.gap] output: is missing (what goes out, as in output = ["distance"])',
     ]),
 ]
 

@@ -228,3 +228,55 @@ def test_central_gravity_replaces_the_uniform_one():
     assert scene.gravity == (0, 0, 0)
     assert scene_of().central_gravity is None
     assert scene_of().gravity == (0, 0, -9.81)
+
+
+# forces, loads, measures
+
+def force_of(**keys):
+    return scene_of(force={"f": keys}).force["f"]
+
+
+def test_strut_with_tables_and_actuator():
+    force = force_of(
+        spring_damper={"table": {"length": [1, 2], "force": [0, 3]},
+                       "damping": {"table": {"speed": [-1, 1], "force": [-5, 4]}}},
+        between=["a", "b"], input="force", output=["rate"],
+    )
+    assert (force.kind, force.input, force.output) == ("spring_damper", ["force"], ["rate"])
+    assert force.spring_damper.stiffness is None
+    assert_allclose(force.spring_damper.table.points(), [[1, 2], [0, 3]])
+    assert_allclose(force.spring_damper.damping.table.points(), [[-1, 1], [-5, 4]])
+
+
+def test_bushing_by_diagonal_or_matrix():
+    stiffness = np.arange(36.0).reshape(6, 6)
+    force = force_of(bushing={"stiffness": stiffness, "damping": [1, 2, 3, 4, 5, 6]},
+                     between=["a", "b"])
+    assert (force.kind, force.input, force.output) == ("bushing", (), ())
+    assert_allclose(force.bushing.stiffness_matrix(), stiffness)
+    assert_allclose(force.bushing.damping_matrix(), np.diag([1, 2, 3, 4, 5, 6]))
+    force = force_of(bushing={"stiffness": [1] * 6}, between=["a", "b"])
+    assert_allclose(force.bushing.damping_matrix(), np.zeros((6, 6)))
+
+
+def test_loads():
+    force = force_of(load={"moment": [1, 2, 3], "axes": "body"}, on="b")
+    assert (force.kind, force.on, force.between) == ("load", "b", ("b",))
+    assert (force.load.axes, force.load.table) == ("body", None)
+    assert_allclose(force.load.force_vector(), np.zeros(3))
+    assert_allclose(force.load.moment_vector(), [1, 2, 3])
+
+    force = force_of(load={"table": {"time": [0, 1], "force": [[0, 0, 0], [1, 2, 3]]}}, on="a")
+    time, push, moment = force.load.table.points()
+    assert_allclose(time, [0, 1])
+    assert_allclose(push, [[0, 0, 0], [1, 2, 3]])
+    assert_allclose(moment, np.zeros((2, 3)))
+
+
+def test_measures_may_be_between_the_frames():
+    scene = scene_of(
+        ground={"motion": {"acceleration": [1, 0, 0]}},
+        measure={"way": {"between": ["inertial", "ground"], "output": ["position", "angle"]}},
+    )
+    assert scene.measure["way"].between == ("inertial", "ground")
+    assert scene.measure["way"].output == ["position", "angle"]

@@ -6,21 +6,22 @@ from .constraints import (
 )
 from .couplings import Coupling, Gear, Rack, Ratio, Spindle
 from .errors import Problem, SceneError
-from .forces import Force, Linear, SpringDamper
+from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
     Cylindrical, Fixed, Free, Joint, Planar, Prismatic, Revolute, Screw, Spherical, Translation,
     Universal,
 )
+from .measures import Measure
 from .names import fmi_name
 from .reader import parse_scene, read_scene
 from .schema import Scene, Solver
 from .writer import write_scene
 
 __all__ = [
-    "Body", "Coupling", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Gear", "Ground",
-    "GroundMarker", "Joint", "KnifeEdge", "Linear", "Marker", "Planar", "PointOnLine",
-    "PointOnPlane", "Prismatic", "Problem", "Rack", "Ratio", "Revolute", "RollingDisk",
-    "RollingSphere", "Scene", "SceneError", "Screw", "Solver", "Spherical", "Spindle",
-    "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene", "read_scene",
-    "write_scene",
+    "Body", "Bushing", "Coupling", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Gear",
+    "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "Load", "Marker", "Measure",
+    "Planar", "PointOnLine", "PointOnPlane", "Prismatic", "Problem", "Rack", "Ratio", "Revolute",
+    "RollingDisk", "RollingSphere", "Scene", "SceneError", "Screw", "Solver", "Spherical",
+    "Spindle", "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene",
+    "read_scene", "write_scene",
 ]

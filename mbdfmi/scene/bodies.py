@@ -13,7 +13,8 @@ from .orientation import Oriented, Placed
 from .solids import Solid, composite
 
 MARKER_OUTPUTS = (
-    "position", "velocity", "euler_parameters", "zyx", "omega", "velocity_body", "omega_body",
+    "position", "velocity", "acceleration", "euler_parameters", "zyx", "omega", "alpha",
+    "velocity_body", "acceleration_body", "omega_body", "alpha_body",
 )
 
 # Published moments are rounded, so a flat plate may miss the triangle inequality by this part.

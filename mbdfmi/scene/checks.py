@@ -45,11 +45,12 @@ def cross_references(data):
 
     edges, slack = [], {}
     all_clear = True
-    for table in ("joint", "force"):
+    for table in ("joint", "force", "measure"):
         for name, entry in _entries(data, table).items():
             ends = _ends(entry)
             wrong = _wrong_ends(table, ends, markers, joints)
-            problems += [Problem((table, name, "between"), text) for text in wrong]
+            key = "between" if len(ends) == 2 else "on"
+            problems += [Problem((table, name, key), text) for text in wrong]
 
             if table == "joint":
                 all_clear = all_clear and ends and not wrong
@@ -69,7 +70,10 @@ def clashes(scene):
     problems, seen = [], {}
     for path, variable in _variables(scene):
         first = seen.setdefault(variable, path)
-        if first != path:
+        if first[:-1] == path[:-1] and first != path:
+            text = f"the variable {variable} cannot be both input and output; drop one of them"
+            problems.append(Problem(path, text))
+        elif first != path:
             place = place_text(first[:-1]).rstrip(":")
             problems.append(Problem(path, f"the variable {variable} exists already, from {place}"))
     return problems
@@ -119,9 +123,11 @@ def _plain_entries(holder, key):
 
 
 def _ends(entry):
-    """The two ends of a joint or force as lists of names; [] when they have not that form."""
-    between = _get(entry, "between")
-    if not isinstance(between, (list, tuple)) or len(between) != 2:
+    """The ends of an entry as lists of names; [] when they have not that form."""
+    between, on = _get(entry, "between"), _get(entry, "on")
+    if isinstance(on, str):
+        between = [on]
+    elif not isinstance(between, (list, tuple)) or len(between) != 2:
         return []
     if not all(isinstance(end, str) for end in between):
         return []
@@ -184,15 +190,19 @@ def _wrong_coupling(coupling, joints):
 
 
 def _wrong_ends(table, ends, markers, joints):
-    """Texts about the ends of a joint or force; markers is {body: its markers}."""
+    """Texts about the ends of an entry of the table; markers is {body: its markers}."""
     wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
     if not ends or wrong:
         return wrong
 
+    if len(ends) == 1:
+        frame = ends[0][0]
+        return [f"{quoted(frame)} does not move by a load; name a body"] if frame in FRAMES else []
+
     first, second = (end[0] for end in ends)
     if first == second:
         return [f"both ends are on {quoted(first)}; a {table} acts between two bodies"]
-    if first in FRAMES and second in FRAMES:
+    if first in FRAMES and second in FRAMES and table != "measure":
         return [f"neither end is on a body; a {table} acts on one at least"]
     return []
 

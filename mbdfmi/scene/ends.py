@@ -29,7 +29,7 @@ def stands_still(end):
     return end.split(".")[0] in FRAMES
 
 
-# One end: "body", "body.marker", "ground", "ground.marker", or "inertial". Two of them.
+# One end, "body", "body.marker", "ground", "ground.marker", or "inertial"; two of them.
 End = Annotated[str, BeforeValidator(_end)]
 Between = Annotated[tuple[str, str], BeforeValidator(_between)]
 BETWEEN = 'the two ends, as in between = ["ground", "body.marker"]'

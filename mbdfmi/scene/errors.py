@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 # Tables whose entries have names of their own, as [body.upper], and other tables.
-NAMED_TABLES = ("body", "joint", "coupling", "force")
+NAMED_TABLES = ("body", "joint", "coupling", "force", "measure")
 TABLES = ("ground", "solver", "central_gravity")
 
 

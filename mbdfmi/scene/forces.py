@@ -1,25 +1,34 @@
-"""Forces between two markers."""
+"""Forces between two markers, or on one."""
 
 from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from .ends import BETWEEN, Between, stands_still
+from .ends import BETWEEN, Between, End, stands_still
 from .errors import show
-from .fields import Matrix6, NotNegative, Part, SomeOf, Vector6, by_key
+from .fields import (
+    Array, Matrix6, NotNegative, OneOf, Part, SomeOf, Vector, Vector6, by_key, number_or,
+)
+from .tables import Ascending, ForceDamper, ForceOverLength, Table, Vectors
 
 
 class SpringDamperOptions(Part):
     """A force along the line between two markers.
 
-    stiffness : N/m. damping : N s/m.
+    stiffness : N/m.
     rest_length : m; None stands for the length at the start.
+    table : tension over length, instead of them, or None.
+    damping : N s/m; or a table of tension over the speed at which it lengthens.
     """
 
-    stiffness: NotNegative = Field(description="stiffness in N/m")
-    damping: NotNegative = 0.0
+    exclusive = (("rest_length", "table"),)
+    needed = (("stiffness", "table"),)
+
+    stiffness: NotNegative | None = None
     rest_length: NotNegative | None = None
+    table: ForceOverLength | None = None
+    damping: number_or(NotNegative, ForceDamper) = 0.0
 
 
 def _added_mass(rows):
@@ -88,32 +97,142 @@ def _matrix(rows):
     return np.zeros((6, 6)) if rows is None else np.array(rows)
 
 
-class ForceBase(Part):
-    """A force between two markers.
+Block = Array((6,), (6, 6), what="6 numbers, the diagonal [x, y, z, rx, ry, rz], or a 6x6 matrix")
 
-    between : the two ends.
-    output : names of what goes out.
+
+class BushingOptions(Part):
+    """An elastic wrench on the second marker, in the first one's axes, (x, y, z, rx, ry, rz).
+
+    stiffness : (6, 6), or its diagonal (6,), in N/m, N, N m/rad.
+    damping : (6, 6), or its diagonal (6,), in N s/m, N s, N m s/rad.
     """
 
-    between: Between = Field(description=BETWEEN)
+    stiffness: Block | None = None
+    damping: Block | None = None
+
+    @model_validator(mode="after")
+    def _check_not_empty(self):
+        if not self.model_fields_set:
+            raise ValueError('needs "stiffness" or "damping"')
+        return self
+
+    def stiffness_matrix(self):
+        """(6, 6), zeros when left out."""
+        return _block(self.stiffness)
+
+    def damping_matrix(self):
+        """(6, 6), zeros when left out."""
+        return _block(self.damping)
 
 
-class SpringDamper(ForceBase):
-    """spring_damper = { stiffness, damping, rest_length }. Outputs: length m, force N (tension)."""
+def _block(values):
+    matrix = _matrix(values)
+    return np.diag(matrix) if matrix.ndim == 1 else matrix
+
+
+class LoadOverTime(Table):
+    """time : s, and either or both of force : (n, 3) in N, moment : (n, 3) in N m."""
+
+    time: Ascending
+    force: Vectors | None = None
+    moment: Vectors | None = None
+
+    @model_validator(mode="after")
+    def _check_not_empty(self):
+        if self.force is None and self.moment is None:
+            raise ValueError('needs "force" or "moment"')
+        return self
+
+    def points(self):
+        """(time (n,), force (n, 3), moment (n, 3))."""
+        zeros = np.zeros((len(self.time), 3))
+        force, moment = (
+            zeros if part is None else np.array(part) for part in (self.force, self.moment)
+        )
+        return np.array(self.time), force, moment
+
+
+class LoadOptions(Part):
+    """A force and a moment at a marker's origin, constant or over time.
+
+    force, moment : (3,) in N and N m.
+    axes : "inertial", or "body", which follow the marker.
+    table : over time, instead of them, or None.
+    """
+
+    exclusive = (("force", "table"), ("moment", "table"))
+
+    force: Vector | None = None
+    moment: Vector | None = None
+    table: LoadOverTime | None = None
+    axes: OneOf("inertial", "body") = "inertial"
+
+    @model_validator(mode="after")
+    def _check_not_empty(self):
+        if self.force is None and self.moment is None and self.table is None:
+            raise ValueError('needs "force", "moment" or "table"')
+        return self
+
+    def force_vector(self):
+        """(3,) in N, zeros when left out."""
+        return np.array(self.force or (0.0, 0.0, 0.0))
+
+    def moment_vector(self):
+        """(3,) in N m, zeros when left out."""
+        return np.array(self.moment or (0.0, 0.0, 0.0))
+
+
+class SpringDamper(Part):
+    """spring_damper = { stiffness, rest_length, table, damping }
+
+    input : a force (N, tension positive) that acts beside the spring.
+    output : length m, rate m/s, force N (tension).
+    """
 
     kind: ClassVar[str] = "spring_damper"
 
     spring_damper: SpringDamperOptions
-    output: SomeOf("length", "force") = []
+    between: Between = Field(description=BETWEEN)
+    input: SomeOf("force", bare=True) = []
+    output: SomeOf("length", "rate", "force") = []
 
 
-class Linear(ForceBase):
+class Bushing(Part):
+    """bushing = { stiffness, damping }"""
+
+    kind: ClassVar[str] = "bushing"
+    input: ClassVar[tuple] = ()
+    output: ClassVar[tuple] = ()
+
+    bushing: BushingOptions
+    between: Between = Field(description=BETWEEN)
+
+
+class Load(Part):
+    """load = { force, moment, axes, table }, on : the end it acts on."""
+
+    kind: ClassVar[str] = "load"
+    input: ClassVar[tuple] = ()
+    output: ClassVar[tuple] = ()
+
+    load: LoadOptions
+    on: End = Field(description='the end it acts on, as in on = "body.marker"')
+
+    @property
+    def between(self):
+        """The one end."""
+        return (self.on,)
+
+
+class Linear(Part):
     """linear = { stiffness, damping, added_mass, preload }"""
 
     kind: ClassVar[str] = "linear"
+    input: ClassVar[tuple] = ()
     output: ClassVar[tuple] = ()
 
     linear: LinearOptions
+    between: Between = Field(description=BETWEEN)
 
     @model_validator(mode="after")
     def _check_added_mass(self):
@@ -126,4 +245,4 @@ class Linear(ForceBase):
         return self
 
 
-Force = by_key("a force", SpringDamper, Linear)
+Force = by_key("a force", SpringDamper, Linear, Bushing, Load)

@@ -10,9 +10,17 @@ from .errors import SceneError
 from .fields import OneOf, Part, Positive, SomeOf, Vector
 from .forces import Force
 from .joints import Joint
+from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
 from .writer import toml_text
+
+
+OUTPUTS = (
+    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
+    "linear_momentum", "angular_momentum", "center_of_mass",
+    "constraint_gap", "constraint_rate", "multipliers",
+)
 
 
 class Solver(Part):
@@ -77,9 +85,11 @@ class Scene(Part):
     title, description : free text, or None.
     central_gravity : or None.
     gravity : (3,) in m/s2 in the inertial frame; 0 with central_gravity.
-    output : any of "kinetic_energy", "potential_energy", "total_energy" (J).
+    output : names of OUTPUTS: energies (J); momenta, the angular one about the inertial origin,
+        and the centre of mass (3,); the largest error of the constraints in position and in
+        velocity; the multipliers.
     solver, ground : as above.
-    body, joint, coupling, force : by name, in the order written.
+    body, joint, coupling, force, measure : by name, in the order written.
 
     Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
     with all that is wrong.
@@ -90,13 +100,14 @@ class Scene(Part):
     description: Text | None = None
     central_gravity: CentralGravity | None = None
     gravity: Vector = Field(default_factory=_gravity)
-    output: SomeOf("kinetic_energy", "potential_energy", "total_energy") = []
+    output: SomeOf(*OUTPUTS) = []
     solver: Solver = Solver()
     ground: Ground = Ground()
     body: dict[Name, Body] = {}
     joint: dict[Name, Joint] = {}
     coupling: dict[Name, Coupling] = {}
     force: dict[Name, Force] = {}
+    measure: dict[Name, Measure] = {}
 
     @model_validator(mode="after")
     def _check_gravity(self):

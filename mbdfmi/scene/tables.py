@@ -3,7 +3,7 @@
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .errors import quoted, show
 from .fields import Part, array, in_si
@@ -141,10 +141,10 @@ class AngleOverTime(Graph):
 class EffortDamper(Part):
     """table = { speed, effort }"""
 
-    table: EffortOverSpeed
+    table: EffortOverSpeed = Field(description="as in table = { speed = [...], effort = [...] }")
 
 
 class ForceDamper(Part):
     """table = { speed, force }"""
 
-    table: ForceOverSpeed
+    table: ForceOverSpeed = Field(description="as in table = { speed = [...], force = [...] }")

@@ -1,0 +1,22 @@
+"""Measures: what is seen of one frame from another."""
+
+from pydantic import Field
+
+from .ends import BETWEEN, Between
+from .fields import Part, SomeOf
+
+MEASURES = (
+    "distance", "distance_rate", "angle", "position", "velocity", "acceleration",
+    "euler_parameters", "zyx", "omega",
+)
+
+
+class Measure(Part):
+    """The place and motion of the second of two markers in the first, in the first one's axes.
+
+    between : the two ends.
+    output : names of MEASURES. "angle" is that between the markers' z axes.
+    """
+
+    between: Between = Field(description=BETWEEN)
+    output: SomeOf(*MEASURES) = Field(description='what goes out, as in output = ["distance"]')
