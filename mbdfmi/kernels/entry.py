@@ -22,6 +22,7 @@ def initialise(m, d, t0):
     """The state at the start time t0 (s) from the start values. Returns a status."""
     d.time[0] = t0
     d.time[1] = 0.0
+    d.now[0] = t0
     d.next_step[0] = 0.0
     d.steps[0] = 0.0
     d.rejected[0] = 0.0
@@ -71,9 +72,9 @@ def step(m, d, H):
 def compute_outputs(m, d, y):
     """All outputs y[n_y] of the state and the inputs (their values alone) now. Returns a status."""
     failure = OK
+    integrate.set_time(m, d, 0.0)
 
     if m.output_needs == 1:
-        integrate.set_inputs(m, d, 0.0)
         tree.kinematics(m, d)
         tree.inertias(m, d)
         forces.apply(m, d)

@@ -28,9 +28,10 @@ GROW = 10.0
 
 
 @inlined
-def set_inputs(m, d, s):
-    """Inputs at time s (s) of the communication step: u + u' s + u'' s^2 / 2."""
+def set_time(m, d, s):
+    """Time and inputs at s (s) after the start of the communication step: u + u' s + u'' s^2 / 2."""
     n = m.n_u
+    d.now[0] = d.time[0] + s
 
     for k in range(n):
         d.input[k] = d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * d.u_buffer[2 * n + k])
@@ -39,7 +40,7 @@ def set_inputs(m, d, s):
 @kernel
 def evaluate(m, d, s):
     """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
-    set_inputs(m, d, s)
+    set_time(m, d, s)
     tree.kinematics(m, d)
     tree.inertias(m, d)
     forces.apply(m, d)

@@ -144,7 +144,8 @@ ARRAYS = (
     Row("body_added_M", "state", 6, "n_body", "added mass, force from acceleration"),
     Row("coordinate_last", "state", 1, "n_coordinate", "value after the last accepted inner step"),
     Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
-    # work: inputs and rates
+    # work: time, inputs and rates
+    Row("now", "work", 1, 1, "s, time of the evaluation"),
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
     Row("x_rate", "work", 1, "n_x", "x'; its last n_v entries are the accelerations v'"),

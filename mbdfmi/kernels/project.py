@@ -145,7 +145,10 @@ def project_velocities(m, d):
 
 @kernel
 def project(m, d):
-    """After an accepted inner step: E to unit length, positions, then velocities onto the constraints. Returns a status."""
+    """After an accepted inner step: E to unit length, positions, then velocities onto the constraints. Returns a status.
+
+    `d.now` is the end of that step: every method evaluates its last stage there.
+    """
     unit_E(m, d)
     failure = OK
 

@@ -52,7 +52,7 @@ def evaluate_up_to_aba_times(m, d, n):
     """All that `evaluate` does before its last part, n times."""
     for _ in range(n):
         d.x[0] += 1e-15
-        integrate.set_inputs(m, d, 0.0)
+        integrate.set_time(m, d, 0.0)
         tree.kinematics(m, d)
         tree.inertias(m, d)
         forces.apply(m, d)
