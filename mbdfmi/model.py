@@ -63,7 +63,7 @@ class Model:
 
 def compile_scene(scene: Scene) -> Model:
     """The model of a scene. Raises SceneError where its parts do not form what the kernels can do."""
-    builder = Builder(scene, spanning_tree(scene))
+    builder = Builder(scene, spanning_tree(scene), scene.solver.formulation == "embedding")
     add_settings(builder)
     add_bodies(builder)
     add_joints(builder)
@@ -86,6 +86,8 @@ def _assemble(builder):
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
         "output_needs": int(any(kind in outputs.ACCELERATES for _, _, kind in builder.outputs)),
+        "embeds": int(builder.embeds),
+        "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": integrate.INTEGRATORS[scene.solver.integrator],
     }
     header, length = layout.arrange(counts)

@@ -234,7 +234,7 @@ def mass_matrix(instance: Instance) -> np.ndarray:
     tree.kinematics(m, d)
     tree.inertias(m, d)
     M = np.empty((m.n_v, m.n_v))
-    tree.crba(m, d, M)
+    tree.crba(m, d, M.ravel())
     return M
 
 

@@ -30,12 +30,14 @@ class Builder:
 
     q, v : first position and velocity coordinate of each node; n_q, n_v : their numbers.
     joint_nodes : joint -> its nodes, in the order of the joint's own coordinates.
+    embeds : dynamics by the joint-space mass matrix.
     single : arrays that belong to no table, by name; counts : numbers that are no table's length.
     constraint_names : joints or couplings in the order of the constraints.
     """
 
-    def __init__(self, scene: Scene, tree: Tree):
+    def __init__(self, scene: Scene, tree: Tree, embeds: bool):
         self.scene = scene
+        self.embeds = embeds
         self.tree = tree
         self.nodes = tree.nodes
         self.tables = {count: Table() for count in layout.COUNTS}

@@ -42,7 +42,9 @@ def add_constraints(builder):
     if not constraints:
         return
 
-    path = [_path(builder, c["nodes"]) for c in constraints]
+    # the joint-space mass matrix spreads every row over all coordinates
+    every = list(range(1, len(builder.nodes)))
+    path = [every if builder.embeds else _path(builder, c["nodes"]) for c in constraints]
     order = _narrow_order(path)
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c["name"] for c in constraints]

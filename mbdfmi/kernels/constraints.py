@@ -309,14 +309,6 @@ def respond(m, d):
         al.set_vec3(d.change_rdd, i, rdd)
 
 
-@kernel
-def correct(m, d):
-    """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
-    solve_rows(m, d)
-    gather_white(m, d)
-    respond(m, d)
-
-
 @inlined
 def row_acceleration(m, d, row):
     """g'' of a row by the bodies' accelerations and its bias."""
@@ -339,18 +331,9 @@ def row_acceleration(m, d, row):
     return total
 
 
-@kernel
-def constrain(m, d):
-    """Take the accelerations of aba to those that the rows allow: lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)."""
-    rows.write_rows(m, d)
-    reach_rows(m, d)
-    factor_rows(m, d)
-
-    for row in range(m.n_row):
-        d.row_left[row] = -row_acceleration(m, d, row)
-
-    correct(m, d)
-
+@inlined
+def add_changes(m, d):
+    """Add the response to v' and to the bodies' accelerations."""
     for v in range(m.n_v):
         d.x_rate[m.n_q + v] += d.change[v]
 

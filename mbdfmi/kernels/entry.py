@@ -5,7 +5,7 @@
 
 from numba import types
 
-from . import constraints, coordinates, forces, integrate, joints, outputs, prepare, project, tableaux, tree
+from . import coordinates, dynamics, forces, integrate, joints, outputs, prepare, project, tableaux, tree
 from .language import inlined, kernel
 from .status import BAD_START_ORIENTATION, OK, status
 from .views import INTS, REALS, data_view, model_view
@@ -78,10 +78,7 @@ def compute_outputs(m, d, y):
         tree.kinematics(m, d)
         tree.inertias(m, d)
         forces.apply(m, d)
-        failure = tree.aba(m, d)
-
-        if m.n_row > 0 and failure == OK:
-            constraints.constrain(m, d)
+        failure = dynamics.accelerate(m, d)
     else:
         tree.kinematics(m, d)
 

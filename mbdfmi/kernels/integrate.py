@@ -8,7 +8,7 @@ how a master sums its time.
 import math
 
 from . import algebra as al
-from . import constraints, forces, joints, tree
+from . import dynamics, forces, joints, tree
 from .language import inlined, kernel
 from .project import project
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
@@ -49,12 +49,7 @@ def evaluate(m, d, s):
         joints.position_rates(m, d, i)
 
     d.evaluations[0] += 1.0
-    failure = tree.aba(m, d)
-
-    if m.n_row > 0 and failure == OK:
-        constraints.constrain(m, d)
-
-    return failure
+    return dynamics.accelerate(m, d)
 
 
 @inlined

@@ -37,6 +37,8 @@ COUNTS = (
     "n_y",  # scalar outputs
     "output_needs",  # 1: some output needs accelerations
     "integrator",  # see integrate.py
+    "embeds",  # 1: dynamics by the joint-space mass matrix (embedding.py), 0: by articulated bodies
+    "n_mass",  # elements of that matrix
 )
 
 
@@ -181,6 +183,7 @@ ARRAYS = (
     Row("D_M", "work", 6, "n_body", "factor of M_a (free joints)"),
     Row("N", "work", 9, "n_body", "H_a M_a^-1 (free joints)"),
     Row("effort", "work", 3, "n_body", "S-projected effort left for acceleration"),
+    Row("mass_matrix", "work", 1, "n_mass", "joint-space mass matrix by rows, then its Cholesky factor"),
     # work: constraint rows, as wrenches about the origins of their two bodies, inertial axes
     Row("row_moment_from", "work", 3, "n_row", "on the first marker's body"),
     Row("row_force_from", "work", 3, "n_row", ""),

@@ -3,7 +3,7 @@
 import math
 
 from . import algebra as al
-from . import constraints, coordinates, joints, rows, tree
+from . import coordinates, dynamics, joints, rows, tree
 from .language import inlined, kernel
 from .status import LOOP_OPEN, OK, status
 
@@ -78,19 +78,6 @@ def worst_constraint(m, d):
 
 
 @kernel
-def factor_here(m, d):
-    """Factor of the rows at the positions that kinematics and write_rows have seen. Returns a status."""
-    tree.inertias(m, d)
-    failure = tree.aba(m, d)
-
-    if failure == OK:
-        constraints.reach_rows(m, d)
-        constraints.factor_rows(m, d)
-
-    return failure
-
-
-@kernel
 def project_positions(m, d, gap_allowed):
     """Newton's method to the nearest positions (in the mass metric) where all gaps close. Returns a status.
 
@@ -108,7 +95,7 @@ def project_positions(m, d, gap_allowed):
         if done and iteration > 0:
             return OK
 
-        failure = factor_here(m, d)
+        failure = dynamics.factor_rows_here(m, d)
 
         if failure != OK or done:
             return failure
@@ -116,7 +103,7 @@ def project_positions(m, d, gap_allowed):
         for row in range(m.n_row):
             d.row_left[row] = -d.row_gap[row]
 
-        constraints.correct(m, d)
+        dynamics.correct(m, d)
         size = largest(d.change, m.n_v)
 
         if not size < math.inf:
@@ -137,7 +124,7 @@ def project_velocities(m, d):
     for row in range(m.n_row):
         d.row_left[row] = -d.row_rate[row]
 
-    constraints.correct(m, d)
+    dynamics.correct(m, d)
 
     for v in range(m.n_v):
         d.x[m.n_q + v] += d.change[v]
@@ -206,7 +193,7 @@ def assemble(m, d):
 
     for what in (2, 4):
         hold(m, d, what)
-        failure = factor_here(m, d)
+        failure = dynamics.factor_rows_here(m, d)
 
         if failure != OK:
             return failure
@@ -238,7 +225,7 @@ def find_redundant(m, d):
     tree.kinematics(m, d)
     rows.write_rows(m, d)
 
-    if factor_here(m, d) == OK:
+    if dynamics.factor_rows_here(m, d) == OK:
         project_velocities(m, d)
         size = largest(d.x, m.n_x)
 

@@ -335,17 +335,13 @@ def aba(m, d):
 
 
 @kernel
-def rnea(m, d, tau):
-    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
-
-    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
-    """
+def accelerations(m, d):
+    """alpha and rdd of all bodies from the v' in d.x_rate; needs kinematics."""
     al.set_vec3(d.alpha, 0, al.ZERO3)
     al.set_vec3(d.rdd, 0, al.ZERO3)
 
     for i in range(1, m.n_body):
         parent = m.body_parent[i]
-        v = m.body_v[i]
         alpha_parent = al.vec3(d.alpha, parent)
         alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
         rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
@@ -354,12 +350,25 @@ def rnea(m, d, tau):
         # a given acceleration is in the bias already
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
-            rate = d.x_rate[m.n_q + v + k]
+            rate = d.x_rate[m.n_q + m.body_v[i] + k]
             alpha = al.axpy(rate, S_w, alpha)
             rdd = al.axpy(rate, S_r, rdd)
 
         al.set_vec3(d.alpha, i, alpha)
         al.set_vec3(d.rdd, i, rdd)
+
+
+@kernel
+def rnea(m, d, tau):
+    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
+
+    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
+    """
+    accelerations(m, d)
+
+    for i in range(1, m.n_body):
+        alpha = al.vec3(d.alpha, i)
+        rdd = al.vec3(d.rdd, i)
 
         # what the body needs beyond what is applied to it
         I, H, M = inertia_blocks(m, d, i)
@@ -382,15 +391,14 @@ def rnea(m, d, tau):
 
 @kernel
 def crba(m, d, mass_matrix):
-    """Joint-space mass matrix [n_v, n_v] by composite bodies; needs kinematics and inertias.
+    """Joint-space mass matrix [n_v * n_v], by rows, by composite bodies; needs kinematics and inertias.
 
     Featherstone 2008, table 6.2.
     """
     start_articulated(m, d)
 
-    for j in range(m.n_v):
-        for k in range(m.n_v):
-            mass_matrix[j, k] = 0.0
+    for k in range(m.n_v * m.n_v):
+        mass_matrix[k] = 0.0
 
     for i in range(m.n_body - 1, 0, -1):
         I = al.sym3(d.I_a, i)
@@ -411,8 +419,9 @@ def crba(m, d, mass_matrix):
                 for l in range(joints.n_v(m.body_joint[j])):
                     T_w, T_r = joints.subspace(m, d, j, l)
                     row = m.body_v[j] + l
-                    mass_matrix[row, column] = al.dot(T_w, moment) + al.dot(T_r, force)
-                    mass_matrix[column, row] = mass_matrix[row, column]
+                    value = al.dot(T_w, moment) + al.dot(T_r, force)
+                    mass_matrix[m.n_v * row + column] = value
+                    mass_matrix[m.n_v * column + row] = value
 
                 moment = al.add(moment, al.cross(al.vec3(d.arm, j), force))
                 j = m.body_parent[j]

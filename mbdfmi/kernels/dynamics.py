@@ -1,0 +1,63 @@
+"""Forward dynamics by the formulation of the model, constraints included."""
+
+from . import constraints, embedding, rows, tree
+from .language import inlined, kernel
+from .status import OK
+
+
+@kernel
+def accelerate(m, d):
+    """v' into d.x_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
+
+    Needs kinematics, inertias, applied wrenches and efforts.
+    """
+    failure = embedding.forward(m, d) if m.embeds == 1 else tree.aba(m, d)
+
+    if failure != OK or m.n_row == 0:
+        return failure
+
+    rows.write_rows(m, d)
+    reach_and_factor(m, d)
+
+    # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
+    for row in range(m.n_row):
+        d.row_left[row] = -constraints.row_acceleration(m, d, row)
+
+    correct(m, d)
+    constraints.add_changes(m, d)
+    return OK
+
+
+@inlined
+def reach_and_factor(m, d):
+    """Responses of all rows and the factor of C M^-1 C^T."""
+    if m.embeds == 1:
+        embedding.reach_rows(m, d)
+    else:
+        constraints.reach_rows(m, d)
+
+    constraints.factor_rows(m, d)
+
+
+@kernel
+def correct(m, d):
+    """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
+    constraints.solve_rows(m, d)
+    constraints.gather_white(m, d)
+
+    if m.embeds == 1:
+        embedding.respond(m, d)
+    else:
+        constraints.respond(m, d)
+
+
+@kernel
+def factor_rows_here(m, d):
+    """Factor of C M^-1 C^T at the positions that kinematics and write_rows have seen. Returns a status."""
+    tree.inertias(m, d)
+    failure = embedding.factor(m, d) if m.embeds == 1 else tree.aba(m, d)
+
+    if failure == OK:
+        reach_and_factor(m, d)
+
+    return failure
