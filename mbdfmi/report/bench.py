@@ -95,8 +95,8 @@ class BenchReport:
     missing : name -> why it was not.
     rows : one for each mechanism and number of bodies: `mechanism`, `bodies`, `seconds` of an
         evaluation by contestant, `seconds_aba` of ours in the articulated-body passes,
-        `seconds_call_overhead` taken off, `difference` of a peer's accelerations from ours, relative
-        to the largest.
+        `seconds_call_overhead` taken off, `difference` of a peer's accelerations from ours,
+        relative to the largest.
     exponents : mechanism -> contestant -> exponent of the growth of time with 8 bodies and more.
     """
 
@@ -125,7 +125,7 @@ class BenchReport:
         }
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes bench.json and, where matplotlib is, bench.png into a folder; returns their paths."""
+        """Writes bench.json and, where matplotlib is, bench.png into a folder; returns the paths."""
         written = [Path(folder) / "bench.json"]
 
         with replacing(written[0]) as path:
@@ -315,18 +315,21 @@ def _seconds(run, n):
 
 
 def _repeats(run, shortest):
-    """How often to repeat for a timing of at least `shortest` s."""
+    """How often to repeat for a timing of at least `shortest` s: then the call around does not count.
+
+    The least of some timings decides, for one interruption would end the search too early.
+    """
     run(1)
     n = 1
 
-    while _seconds(run, n) < shortest:
+    while min(_seconds(run, n) for _ in range(5)) < shortest:
         n *= 2
 
     return n
 
 
 def _differences(ours, peers):
-    """Largest difference of each peer's accelerations from ours, relative to the largest of these."""
+    """Largest difference of each peer's accelerations from ours, relative to the largest of ours."""
     expected = ours.accelerations()
     size = np.max(np.abs(expected))
     differences = {}

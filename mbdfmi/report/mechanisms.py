@@ -17,7 +17,7 @@ class Link:
 
     parent : index of the link it hangs on, -1 the ground; parents come first.
     axis : 0, 1, 2, the coordinate axis that the joint turns about.
-    position (3,) m, rotation (3, 3) : the joint in the parent's frame, and the body's frame at angle 0.
+    position (3,) m, rotation (3, 3) : joint in the parent's frame, and body's frame at angle 0.
     mass : kg.  com (3,) : m.  inertia (3, 3) : kg m2 about the centre of mass. In the body's frame.
     angle, speed, torque : rad, rad/s, N m; the state and the input to evaluate at.
     """
@@ -61,13 +61,13 @@ def links_of(parents: list[int], seed: int = 0) -> list[Link]:
 
     for i, parent in enumerate(parents):
         principal = rng.uniform(0.01, 0.03, 3)
-        Q = Rotation.random(rng=rng).as_matrix()
+        Q = Rotation.from_quat(rng.normal(size=4)).as_matrix()
         links.append(
             Link(
                 parent=parent,
                 axis=i % 3,
                 position=rng.uniform(-0.3, 0.3, 3) * (parent >= 0),
-                rotation=Rotation.random(rng=rng).as_matrix(),
+                rotation=Rotation.from_quat(rng.normal(size=4)).as_matrix(),
                 mass=rng.uniform(0.5, 2.0),
                 com=rng.uniform(-0.2, 0.2, 3),
                 inertia=Q @ np.diag(principal.sum() - principal) @ Q.T,

@@ -223,7 +223,7 @@ class MuJoCo:
             bodies.append(
                 parent.add_body(
                     pos=link.position,
-                    quat=Rotation.from_matrix(link.rotation).as_quat(scalar_first=True),
+                    quat=np.roll(Rotation.from_matrix(link.rotation).as_quat(), 1),
                     mass=link.mass,
                     ipos=link.com,
                     fullinertia=[I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]],
