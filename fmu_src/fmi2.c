@@ -12,23 +12,23 @@
 #define WRITABLE (INSTANTIATED | INITIALIZATION | STEP_COMPLETE)
 #define STEPPED  (STEP_COMPLETE | STEP_FAILED | TERMINATED)
 
-static const char *mode_name(Mode mode)
+static const char *mode_name(int64_t mode)
 {
     switch (mode) {
         case INSTANTIATED:   return "instantiated";
         case INITIALIZATION: return "initialization mode";
         case STEP_COMPLETE:  return "step complete";
         case STEP_FAILED:    return "step failed";
-        case TERMINATED:     return "terminated";
+        default:             return "terminated";
     }
-    return "?";
 }
 
 static bool allowed(Instance *c, int modes, const char *function)
 {
     if (!c) return false;
     if (c->core->mode & modes) return true;
-    instance_log(c, fmi2Error, "%s is not allowed in the state '%s'", function, mode_name(c->core->mode));
+    instance_log(c, fmi2Error, "%s is not allowed in the state '%s'", function,
+                 mode_name(c->core->mode));
     return false;
 }
 
@@ -39,7 +39,7 @@ static bool allowed(Instance *c, int modes, const char *function)
 
 #define REFUSE(...) return instance_log(c, fmi2Error, __VA_ARGS__)
 
-/* ---- the library ---- */
+/* ---- library and log ---- */
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 
@@ -54,11 +54,11 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean loggingOn, s
 
     if (nCategories > 0 && !categories) REFUSE("%s: categories is NULL", __func__);
     for (size_t i = 0; i < nCategories; i++) {
+        const char *name = categories[i] ? categories[i] : "NULL";
         int k = 0;
 
-        while (k < N_CATEGORIES && !(categories[i] && strcmp(categories[i], CATEGORY_NAMES[k]) == 0)) k++;
-        if (k == N_CATEGORIES)
-            REFUSE("%s: unknown category '%s'", __func__, categories[i] ? categories[i] : "NULL");
+        while (k < N_CATEGORIES && strcmp(name, CATEGORY_NAMES[k]) != 0) k++;
+        if (k == N_CATEGORIES) REFUSE("%s: unknown category '%s'", __func__, name);
         logged[k] = loggingOn;
     }
     if (nCategories == 0) logged[LOG_ALL] = loggingOn;
@@ -70,8 +70,9 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean loggingOn, s
 /* ---- life ---- */
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
-                              fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
-                              fmi2Boolean visible, fmi2Boolean loggingOn)
+                              fmi2String fmuResourceLocation,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                              fmi2Boolean loggingOn)
 {
     (void)visible;
     Instance *c = instance_create(instanceName, fmuGUID, fmuResourceLocation, functions, loggingOn);
@@ -89,8 +90,9 @@ void fmi2FreeInstance(fmi2Component component)
     if (component) instance_free(component);
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDefined, fmi2Real tolerance,
-                               fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
+fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDefined,
+                               fmi2Real tolerance, fmi2Real startTime, fmi2Boolean stopTimeDefined,
+                               fmi2Real stopTime)
 {
     ENTER(component, INSTANTIATED);
 
@@ -100,7 +102,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDef
 
     if (!isfinite(startTime)) REFUSE("%s: the start time is %g", __func__, startTime);
     if (stopTimeDefined && !(stopTime >= startTime))
-        REFUSE("%s: the stop time %.9g s is before the start time %.9g s", __func__, stopTime, startTime);
+        REFUSE("%s: the stop time %.9g s is before the start time %.9g s", __func__, stopTime,
+               startTime);
 
     c->core->start_time = c->core->time = startTime;
     c->core->stop_time = stopTimeDefined ? stopTime : INFINITY;
@@ -161,21 +164,23 @@ static int64_t parameter_of(const Instance *c, fmi2ValueReference vr)
     return vr - c->resource.n_u - c->resource.n_y;
 }
 
-static fmi2Status check_arrays(Instance *c, const char *function, size_t n, const void *vr, const void *value)
+/* Arrays of n elements must be there unless n is 0. */
+static fmi2Status check_arrays(Instance *c, const char *function, size_t n, const void *vr,
+                               const void *value)
 {
     if (n > 0 && !(vr && value)) REFUSE("%s: NULL instead of an array", function);
     return fmi2OK;
 }
 
-fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
+fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                       fmi2Real value[])
 {
     ENTER(component, READABLE);
 
+    const Resource *r = &c->resource;
     fmi2Status result = check_arrays(c, __func__, nvr, vr, value);
 
     for (size_t i = 0; i < nvr && result == fmi2OK; i++) {
-        const Resource *r = &c->resource;
-
         if (!is_known(c, vr[i])) REFUSE("%s: unknown value reference %u", __func__, vr[i]);
 
         if (is_input(c, vr[i])) value[i] = c->u[vr[i]];
@@ -192,19 +197,23 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], s
 static fmi2Status check_set(Instance *c, const char *function, fmi2ValueReference vr, double value)
 {
     const Resource *r = &c->resource;
+    bool running = c->core->mode == STEP_COMPLETE;
 
     if (!is_known(c, vr)) REFUSE("%s: unknown value reference %u", function, vr);
     if (is_output(c, vr))
-        REFUSE("%s: '%s' (value reference %u) is an output and cannot be set", function, r->names[vr], vr);
-    if (!is_input(c, vr) && !r->param_tunable[parameter_of(c, vr)]
-        && !(c->core->mode & (INSTANTIATED | INITIALIZATION)))
+        REFUSE("%s: '%s' (value reference %u) is an output and cannot be set", function,
+               r->names[vr], vr);
+    if (running && !is_input(c, vr) && !r->param_tunable[parameter_of(c, vr)])
         REFUSE("%s: the parameter '%s' (value reference %u) is fixed after the initialization",
                function, r->names[vr], vr);
-    if (!isfinite(value)) REFUSE("%s: %g is no value for '%s' (value reference %u)", function, value, r->names[vr], vr);
+    if (!isfinite(value))
+        REFUSE("%s: %g is no value for '%s' (value reference %u)", function, value, r->names[vr],
+               vr);
     return fmi2OK;
 }
 
-fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                       const fmi2Real value[])
 {
     ENTER(component, WRITABLE);
 
@@ -220,14 +229,15 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
         else {
             c->reals[c->resource.param_index[parameter_of(c, vr[i])]] = value[i];
             c->core->prepared = 0;
-            if (c->core->mode & (INSTANTIATED | INITIALIZATION)) c->core->started = 0;
+            if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
         }
     }
     return fmi2OK;
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
-                                       const fmi2Integer order[], const fmi2Real value[])
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference vr[],
+                                       size_t nvr, const fmi2Integer order[],
+                                       const fmi2Real value[])
 {
     ENTER(component, WRITABLE);
 
@@ -236,60 +246,69 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
     if (nvr > 0 && !(vr && order && value)) REFUSE("%s: NULL instead of an array", __func__);
     for (size_t i = 0; i < nvr; i++) {
         if (!is_known(c, vr[i])) REFUSE("%s: unknown value reference %u", __func__, vr[i]);
+
+        const char *name = r->names[vr[i]];
         if (!is_input(c, vr[i]))
-            REFUSE("%s: '%s' (value reference %u) is not an input", __func__, r->names[vr[i]], vr[i]);
+            REFUSE("%s: '%s' (value reference %u) is not an input", __func__, name, vr[i]);
         if (order[i] < 1 || order[i] > 2)
-            REFUSE("%s: order %d of '%s': orders 1 and 2 are known", __func__, order[i], r->names[vr[i]]);
+            REFUSE("%s: order %d of '%s': orders 1 and 2 are known", __func__, order[i], name);
         if (!isfinite(value[i]))
-            REFUSE("%s: %g is no derivative of '%s' (value reference %u)", __func__, value[i], r->names[vr[i]], vr[i]);
+            REFUSE("%s: %g is no derivative of '%s' (value reference %u)", __func__, value[i],
+                   name, vr[i]);
     }
     for (size_t i = 0; i < nvr; i++)
         c->u[order[i]*r->n_u + vr[i]] = value[i];
     return fmi2OK;
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[])
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference vr[],
+                                        size_t nvr, const fmi2Integer order[], fmi2Real value[])
 {
     ENTER(component, STEPPED);
     (void)vr; (void)order; (void)value;
-    if (nvr > 0) REFUSE("%s: this FMU gives no derivatives (maxOutputDerivativeOrder = 0)", __func__);
+    if (nvr > 0) REFUSE("%s: this FMU gives none (maxOutputDerivativeOrder = 0)", __func__);
     return fmi2OK;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference vUnknown_ref[],
-                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[], size_t nKnown,
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
+                                        const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+                                        const fmi2ValueReference vKnown_ref[], size_t nKnown,
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     ENTER(component, READABLE);
-    (void)vUnknown_ref; (void)nUnknown; (void)vKnown_ref; (void)nKnown; (void)dvKnown; (void)dvUnknown;
+    (void)vUnknown_ref; (void)nUnknown; (void)vKnown_ref; (void)nKnown;
+    (void)dvKnown; (void)dvUnknown;
     REFUSE("%s: this FMU gives none (providesDirectionalDerivative = false)", __func__);
 }
 
-/* All variables are Real. */
-static fmi2Status no_variable(Instance *c, const char *function, const fmi2ValueReference vr[], size_t nvr,
-                              const char *type)
+/* All variables are Real: any reference to another type is refused. */
+static fmi2Status no_variable(Instance *c, const char *function, const fmi2ValueReference vr[],
+                              size_t nvr, const char *type)
 {
     if (nvr == 0) return fmi2OK;
     if (!vr) REFUSE("%s: NULL instead of an array", function);
-    REFUSE("%s: value reference %u is no %s: all variables of this FMU are Real", function, vr[0], type);
+    REFUSE("%s: value reference %u is no %s: all variables of this FMU are Real", function, vr[0],
+           type);
 }
 
-fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Integer value[])
 {
     ENTER(component, READABLE);
     (void)value;
     return no_variable(c, __func__, vr, nvr, "Integer");
 }
 
-fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                          fmi2Boolean value[])
 {
     ENTER(component, READABLE);
     (void)value;
     return no_variable(c, __func__, vr, nvr, "Boolean");
 }
 
-fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
+                         fmi2String value[])
 {
     ENTER(component, READABLE);
     (void)value;
@@ -371,19 +390,20 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate FMUs
     return fmi2OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate FMUstate, fmi2Byte serializedState[],
-                                 size_t size)
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate FMUstate,
+                                 fmi2Byte serializedState[], size_t size)
 {
     ENTER(component, ANY_MODE);
     if (check_snapshot(c, __func__, FMUstate) != fmi2OK) return fmi2Error;
     if (!serializedState) REFUSE("%s: serializedState is NULL", __func__);
-    if (size < snapshot_size(c)) REFUSE("%s: %zu bytes are given, %zu are needed", __func__, size, snapshot_size(c));
+    if (size < snapshot_size(c))
+        REFUSE("%s: %zu bytes are given, %zu are needed", __func__, size, snapshot_size(c));
     snapshot_write(c, FMUstate, serializedState);
     return fmi2OK;
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte serializedState[], size_t size,
-                                   fmi2FMUstate *FMUstate)
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte serializedState[],
+                                   size_t size, fmi2FMUstate *FMUstate)
 {
     ENTER(component, ANY_MODE);
     if (!serializedState) REFUSE("%s: serializedState is NULL", __func__);
@@ -406,20 +426,25 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoin
     ENTER(component, STEP_COMPLETE);
     (void)noSetFMUStatePriorToCurrentPoint;
 
-    double t = currentCommunicationPoint, H = communicationStepSize, time = c->core->time;
+    double t = currentCommunicationPoint, H = communicationStepSize;
+    double time = c->core->time, stop = c->core->stop_time;
 
-    if (!(isfinite(H) && H > 0)) REFUSE("%s: the step size is %g s and must be positive", __func__, H);
+    if (!(isfinite(H) && H > 0))
+        REFUSE("%s: the step size is %g s and must be positive", __func__, H);
 
     /* a master's own way to count time shows as rounding */
     double slack = 1e-6*H + 16*DBL_EPSILON*fabs(time);
     if (!(fabs(t - time) <= slack))
-        REFUSE("%s: the communication point is t = %.17g s, this FMU is at t = %.17g s", __func__, t, time);
-    if (t + H > c->core->stop_time + slack)
-        REFUSE("%s: the step ends at t = %.9g s, after the stop time %.9g s", __func__, t + H, c->core->stop_time);
+        REFUSE("%s: the communication point is t = %.17g s, this FMU is at t = %.17g s", __func__,
+               t, time);
+    if (t + H > stop + slack)
+        REFUSE("%s: the step ends at t = %.9g s, after the stop time %.9g s", __func__, t + H,
+               stop);
 
     return instance_step(c, t, H);
 }
 
+/* No step is ever pending. */
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
     ENTER(component, 0);
@@ -430,7 +455,8 @@ fmi2Status fmi2CancelStep(fmi2Component component)
 
 static fmi2Status no_status(Instance *c, const char *function, fmi2StatusKind s)
 {
-    return instance_log(c, fmi2Discard, "%s: no status of kind %d: no step is ever pending", function, (int)s);
+    return instance_log(c, fmi2Discard, "%s: no status of kind %d: no step is ever pending",
+                        function, (int)s);
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind s, fmi2Status *value)

@@ -10,7 +10,8 @@
 #include "kernels.h"
 
 const char *const CATEGORY_NAMES[N_CATEGORIES] = {
-    "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logAll"};
+    "logEvents", "logStatusWarning", "logStatusDiscard",
+    "logStatusError", "logStatusFatal", "logAll"};
 
 /* ---- log ---- */
 
@@ -54,7 +55,8 @@ fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
 }
 
 /* Reports what a kernel said; OK when it said nothing. `severity` is that of a failure. */
-static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken, int64_t status)
+static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken,
+                         int64_t status)
 {
     if (broken)
         return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
@@ -67,7 +69,8 @@ static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, in
     double time = c->state[0];
 
     if (!text)
-        return instance_log(c, severity, "%s at t = %.9g s: failure %d at %s", doing, time, (int)code, name);
+        return instance_log(c, severity, "%s at t = %.9g s: failure %d at %s", doing, time,
+                            (int)code, name);
 
     /* the text may name the place by one %s; it comes from a file and is never a format */
     const char *gap = strstr(text, "%s");

@@ -30,10 +30,10 @@ typedef enum {
 
 extern const char *const CATEGORY_NAMES[N_CATEGORIES];
 
-/* What a snapshot holds: this, and behind it in the same block of memory reals, state and u. */
+/* What a snapshot holds: this, and behind it in the same block of memory reals, state, u. */
 typedef struct {
     double start_time, stop_time;     /* s; stop_time is infinite when the master gave none */
-    double time;                      /* s, where the master is: its last point plus its last step */
+    double time;                      /* s, the master's: its last point plus its last step */
     double step;                      /* s, the last step taken; 0 before the first */
     int64_t mode;                     /* a Mode */
     int64_t prepared;                 /* 1: the state knows the present parameters */
@@ -68,7 +68,7 @@ void instance_reset(Instance *c);
    logger, the rest when its category is switched on. */
 fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...);
 
-/* Brings the state up to date with the parameters and, until the simulation starts, the start values. */
+/* Brings the state up to date with the parameters and, before the simulation, the start values. */
 fmi2Status instance_prepare(Instance *c);
 
 /* Brings y up to date too. */

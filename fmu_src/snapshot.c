@@ -12,7 +12,7 @@ static const char MAGIC[8] = "mbdfmi\0S";
 struct Snapshot {
     char magic[8];
     uint32_t version;
-    uint32_t crc;                     /* of the bytes behind the head; only in the serialised form */
+    uint32_t crc;                     /* of core and what follows, in the serialised form */
     int64_t n_reals, n_state, n_u;
     char guid[GUID_SIZE];
     Core core;                        /* and the rest of the instance's block */
@@ -78,13 +78,15 @@ void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
 
 static bool possible(const Core *core)
 {
-    bool mode = core->mode == INSTANTIATED || core->mode == INITIALIZATION || core->mode == STEP_COMPLETE
-                || core->mode == STEP_FAILED || core->mode == TERMINATED;
+    int64_t mode = core->mode;
+    bool known = mode == INSTANTIATED || mode == INITIALIZATION || mode == STEP_COMPLETE
+                 || mode == STEP_FAILED || mode == TERMINATED;
 
-    return mode && (core->prepared | core->started | 1) == 1;
+    return known && (core->prepared | core->started | 1) == 1;
 }
 
-Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size, const char **fault)
+Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size,
+                        const char **fault)
 {
     if (size != snapshot_size(c)) {
         *fault = "its length is not that of a state of this FMU";

@@ -23,6 +23,7 @@ size_t snapshot_size(const Instance *c);
 void snapshot_write(const Instance *c, const Snapshot *s, char *bytes);
 
 /* Fills the given snapshot, or a new one when it is NULL; NULL and *fault when refused. */
-Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size, const char **fault);
+Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size,
+                        const char **fault);
 
 #endif

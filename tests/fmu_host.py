@@ -1,4 +1,4 @@
-"""A master that speaks to an FMU without help: bare ctypes calls, statuses and log messages as they come."""
+"""A master that speaks to an FMU without help: bare calls, statuses and messages as they come."""
 
 import ctypes
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
@@ -27,8 +27,8 @@ class Library:
         self.description = fmpy.read_model_description(str(folder))
         self.variables = {v.name: v for v in self.description.modelVariables}
         identifier = self.description.coSimulation.modelIdentifier
-        self.path = self.folder / "binaries" / fmpy.platform / f"{identifier}{fmpy.sharedLibraryExtension}"
-        self.dll = ctypes.CDLL(str(self.path))
+        binary = f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+        self.dll = ctypes.CDLL(str(self.folder / binary))
         self.dll.fmi2Instantiate.restype = c_void_p
         self.dll.fmi2FreeInstance.argtypes = [c_void_p]
 
@@ -38,16 +38,27 @@ class Library:
 
     def references(self, causality: str) -> list[int]:
         """Value references of the inputs, outputs or parameters."""
-        return [v.valueReference for v in self.description.modelVariables if v.causality == causality]
+        return [v.valueReference for v in self.variables.values() if v.causality == causality]
 
 
 class Instance:
     """One instance; every call returns its status. `component` is None when it was refused.
 
     log : list of (status, category, message).
+
+    An empty guid or location is passed as NULL; the default is the right one.
     """
 
-    def __init__(self, library, name=b"it", guid=None, location=None, kind=CO_SIMULATION, logging=True, callbacks=True):
+    def __init__(
+        self,
+        library,
+        name=b"it",
+        guid=None,
+        location=None,
+        kind=CO_SIMULATION,
+        logging=True,
+        callbacks=True,
+    ):
         self.library = library
         self.log = []
         self.callbacks = fmi2CallbackFunctions()
@@ -56,10 +67,12 @@ class Instance:
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE()
         self.callbacks.stepFinished = fmi2StepFinishedTYPE()
         guid = library.description.guid.encode() if guid is None else guid
-        location = (library.folder / "resources").as_uri().encode() if location is None else location
+        if location is None:
+            location = (library.folder / "resources").as_uri().encode()
         given = byref(self.callbacks) if callbacks else None
+        texts = c_char_p(guid or None), c_char_p(location or None)
         self.component = library.dll.fmi2Instantiate(
-            c_char_p(name), kind, c_char_p(guid or None), c_char_p(location or None), given, 0, int(logging)
+            c_char_p(name), kind, *texts, given, 0, int(logging)
         )
 
     def _logger(self, environment, name, status, category, message):
@@ -106,13 +119,13 @@ class Instance:
         """By name or value reference."""
         keys = [self.library.reference(k) if isinstance(k, str) else k for k in values]
         n = len(keys)
-        return self.call("fmi2SetReal", (c_uint * n)(*keys), c_size_t(n), (c_double * n)(*values.values()))
+        numbers = (c_double * n)(*values.values())
+        return self.call("fmi2SetReal", (c_uint * n)(*keys), c_size_t(n), numbers)
 
     def set_derivatives(self, name: str | int, order: int, value: float) -> int:
         key = self.library.reference(name) if isinstance(name, str) else name
-        return self.call(
-            "fmi2SetRealInputDerivatives", (c_uint * 1)(key), c_size_t(1), (c_int * 1)(order), (c_double * 1)(value)
-        )
+        given = (c_uint * 1)(key), c_size_t(1), (c_int * 1)(order), (c_double * 1)(value)
+        return self.call("fmi2SetRealInputDerivatives", *given)
 
     def get(self, *keys: int | str) -> tuple[int, list[float]]:
         """Status and values."""
@@ -167,6 +180,7 @@ class Instance:
 
     def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
         snapshot = c_void_p()
-        return self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(snapshot)), snapshot
+        status = self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(snapshot))
+        return status, snapshot
 
 

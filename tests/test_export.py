@@ -1,6 +1,5 @@
-"""The FMU as a file: its library, description, archive, and what validators and foreign masters say."""
+"""The FMU as a file: its library, description, archive, and what validators say."""
 
-import ctypes.util
 import re
 import subprocess
 import sys
@@ -8,16 +7,17 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import numba
 import numpy as np
 import pytest
 from elftools.elf.elffile import ELFFile
 from fmpy.validation import validate_fmu
 from lxml import etree
+from numba import types
 
 from mbdfmi import simulate
-from mbdfmi.export import description, export_fmu, package
-from mbdfmi.export.aot import CompileError, compile_entries
-from mbdfmi.export.link import PLATFORMS, library
+from mbdfmi.export import aot, description, export_fmu, package
+from mbdfmi.export.link import library
 from mbdfmi.model import compile_scene
 from mbdfmi.scene import Scene, read_scene
 from mbdfmi.units import UNITS
@@ -50,18 +50,15 @@ def test_validators_are_silent(exported):
     _, fmu = exported
     assert validate_fmu(str(fmu)) == []
 
-    done = subprocess.run(
-        [sys.executable, "-m", "fmu_manipulation_toolbox", "-input", str(fmu), "-check"],
-        capture_output=True,
-        text=True,
-    )
+    command = [sys.executable, "-m", "fmu_manipulation_toolbox", "-input", str(fmu), "-check"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    said = done.stdout + done.stderr
     assert done.returncode == 0
-    assert not re.search("ERROR|WARNING|CRITICAL", done.stdout + done.stderr), done.stdout + done.stderr
+    assert not re.search("ERROR|WARNING|CRITICAL", said), said
 
 
 def test_fmpy_runs_it_as_in_process(exported):
     model, fmu = exported
-    rng = np.random.default_rng(0)
     H, n = 0.01, 100
     there = fmpy.simulate_fmu(str(fmu), stop_time=n * H, output_interval=H)
     inside = simulate.simulate(model, n * H, H)
@@ -120,15 +117,14 @@ def test_documentation(exported):
 def test_units_are_products_of_their_parts():
     """The exponents of a unit follow from its name."""
     for name, unit in UNITS.items():
+        if name == "1":
+            continue
         total = np.zeros(4, int)
         for sign, part in zip((1, -1), name.split("/")):
             for factor in part.split("."):
-                base, power = re.fullmatch(r"([a-zA-Z]*|1)(\d?)", factor).groups()
-                if base != "1" and "/" in name or "." in name or power:
-                    known = UNITS[base or "1"]
-                    total += sign * int(power or 1) * np.array(known[:4])
-        if total.any():
-            assert tuple(total) == unit[:4], name
+                base, power = re.fullmatch(r"([a-zA-Z]+)(\d?)", factor).groups()
+                total += sign * int(power or 1) * np.array(UNITS[base][:4])
+        assert tuple(total) == unit[:4], name
 
 
 # description
@@ -147,11 +143,12 @@ def test_odd_names(tmp_path):
     """Names that XML, the log and the naming convention have to quote."""
     body = {"mass": 1, "inertia": [1, 1, 1], "input": ["force"], "output": ["position"]}
     joint = {"free": {}, "between": ["ground", "a <b> & 100% #1 'x' ü"]}
-    scene = Scene(name="odd <name> & 5%", body={"a <b> & 100% #1 'x' ü": body}, joint={"j": joint})
+    scene = Scene(name="odd <name> & 5%", body={joint["between"][1]: body}, joint={"j": joint})
     fmu = export_fmu(compile_scene(scene), tmp_path / "odd.fmu")
 
     assert validate_fmu(str(fmu)) == []
-    assert fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01).dtype.names[1].startswith("'a <b> & 100%")
+    result = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01)
+    assert result.dtype.names[1].startswith("'a <b> & 100%")
 
 
 def test_invalid_description_is_refused(pendulum):
@@ -163,7 +160,7 @@ def test_invalid_description_is_refused(pendulum):
         identifier = "two\nlines"
         variables = []
 
-    with pytest.raises(description.DescriptionError, match="modelDescription.xml of 'pendulum' is not valid"):
+    with pytest.raises(description.DescriptionError, match="of 'pendulum' is not valid"):
         description.description(Broken())
 
 
@@ -178,7 +175,8 @@ def test_archive(exported):
         assert archive.testzip() is None
 
     assert names[0] == "modelDescription.xml"
-    assert f"binaries/linux64/{model.identifier}.so" in names or not sys.platform.startswith("linux")
+    if fmpy.platform == "linux64":
+        assert f"binaries/linux64/{model.identifier}.so" in names
     assert {"model.png", "documentation/index.html", "resources/model.bin"} < set(names)
     assert any(name.startswith("resources/") and name.endswith(".toml") for name in names)
     assert icon.startswith(b"\x89PNG\r\n")
@@ -223,7 +221,8 @@ def fmi_functions():
     names = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", header))
     model_exchange = (
         "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime "
-        "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates"
+        "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates "
+        "GetNominalsOfContinuousStates"
     )
     return names - {f"fmi2{name}" for name in model_exchange.split()}
 
@@ -250,11 +249,20 @@ def test_library_needs_only_an_old_c_library(linux_library):
     assert max(tuple(map(int, v.removeprefix("GLIBC_").split("."))) for v in versions) <= (2, 17)
 
 
-def test_kernels_that_do_not_compile():
-    with pytest.raises(CompileError, match="mbdfmi.kernels.algebra:NOTHING"):
-        compile_entries("mbdfmi.kernels.algebra:NOTHING")
+def test_kernels_that_do_not_compile(monkeypatch):
+    monkeypatch.setattr(aot, "ENTRIES", "mbdfmi.kernels.algebra:NOTHING")
+    with pytest.raises(aot.CompileError, match="has no attribute 'NOTHING'"):
+        aot.compile_entries()
 
 
-@pytest.mark.parametrize("platform", PLATFORMS)
-def test_platform_table(platform):
-    assert PLATFORMS[platform].target.startswith(platform)
+def test_reference_counting_is_left_out():
+    """numba's arrays bring calls of its runtime, which an FMU does not have."""
+
+    @numba.njit
+    def total(numbers):
+        array = numba.carray(numbers, 3)
+        return array[0] + array[1] + array[2]
+
+    ir = aot.module_of({"total": (total, types.float64(types.CPointer(types.float64)))})
+    assert "define hidden" in ir and "@total(" in ir
+    assert "@NRT_decref(" in ir and "call void @NRT_MemInfo_call_dtor" not in ir

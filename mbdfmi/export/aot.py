@@ -5,30 +5,28 @@ depends neither on this machine's vector units nor on what this process has comp
 """
 
 import importlib
-import importlib.util
 import os
 import re
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
-import llvmlite
-import numba
+from ..kernels.language import source_hash
 
 ENTRIES = "mbdfmi.kernels.entry:ENTRIES"
 """Where the table of entries is: name of the C function -> (numba dispatcher, signature)."""
+
 
 class CompileError(Exception):
     """The kernels could not be compiled ahead of time; the text is the compiler's."""
 
 
-def compile_entries(entries: str = ENTRIES) -> str:
-    """LLVM IR (text, no target named) of the entries at "module:table", for every platform alike.
+def compile_entries() -> str:
+    """LLVM IR (text, no target named) of all entries, for every platform alike.
 
     Raises CompileError with numba's message.
     """
-    program = f"from {__name__} import print_module; print_module({entries!r})"
+    program = f"from {__name__} import print_module; print_module({ENTRIES!r}, {source_hash()!r})"
 
     # numba keeps no IR of what it finds compiled: let it find nothing
     with tempfile.TemporaryDirectory() as empty:
@@ -44,26 +42,13 @@ def compile_entries(entries: str = ENTRIES) -> str:
         done = subprocess.run(command, env=environment, capture_output=True, text=True)
 
     if done.returncode:
-        raise CompileError(f"the kernels ({entries}) do not compile:\n{done.stderr.strip()}")
+        raise CompileError(f"the kernels ({ENTRIES}) do not compile:\n{done.stderr.strip()}")
 
     return done.stdout
 
 
-def source_files(entries: str = ENTRIES) -> list[Path]:
-    """What the compiled entries depend on: all modules beside the table's own, and this one."""
-    module = importlib.util.find_spec(entries.split(":")[0])
-
-    return sorted(Path(module.origin).parent.glob("*.py")) + [Path(__file__)]
-
-
-def versions() -> str:
-    """Versions of the compilers."""
-    return f"numba {numba.__version__} llvmlite {llvmlite.__version__}"
-
-
 def module_of(table: dict) -> str:
-    """LLVM IR of a table name -> (dispatcher, signature): one module, entries named
-    as in the table."""
+    """LLVM IR, one module, of a table like ENTRIES; nothing but its entries is visible."""
     from llvmlite import binding
 
     whole = binding.parse_assembly("")
@@ -104,8 +89,14 @@ def _hide(module, entries: set[str]) -> None:
             value.linkage = "internal"
 
 
-def print_module(entries: str) -> None:
-    """What compile_entries runs in its own process: writes the module to the standard output."""
+def print_module(entries: str, expected: str) -> None:
+    """What compile_entries runs in its own process: writes the module to the standard output.
+
+    `expected` is the hash of the sources that the caller runs with: arrays and kernels must agree.
+    """
     module, table = entries.split(":")
+
+    if source_hash() != expected:
+        sys.exit("the sources of the kernels have changed since this program began: start it again")
 
     sys.stdout.write(module_of(getattr(importlib.import_module(module), table)))

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import fmpy
 
 from ..files import replacing
-from ..kernels.language import cache_directory
+from ..kernels.language import cache_directory, source_hash
 from . import aot
 
 
@@ -52,9 +52,7 @@ class LinkError(Exception):
     """The library could not be linked; the text is the compiler's."""
 
 
-def library(
-    platform: str, entries: str = aot.ENTRIES, progress: Callable[[str], None] = lambda text: None
-) -> Path:
+def library(platform: str, progress: Callable[[str], None] = lambda text: None) -> Path:
     """The FMU library for a platform (a key of PLATFORMS): from the cache, or built into it.
 
     `progress` is told in a few words when something takes long. Raises aot.CompileError,
@@ -63,7 +61,7 @@ def library(
     if platform not in PLATFORMS:
         raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
 
-    kernel_key = _hash(aot.source_files(entries), entries, aot.versions())
+    kernel_key = _hash([Path(aot.__file__)], source_hash(), f"llvmlite {version('llvmlite')}")
     key = _hash(_wrapper_files(), kernel_key, f"ziglang {version('ziglang')}")
 
     kernels = cache_directory() / "fmu" / f"{kernel_key}.ll"
@@ -73,7 +71,7 @@ def library(
         if not kernels.exists():
             progress("compiling the kernels (once per version)")
             with replacing(kernels) as file:
-                file.write_text(aot.compile_entries(entries))
+                file.write_text(aot.compile_entries())
 
         progress(f"linking for {platform} (once per version)")
         with replacing(result) as file:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ..files import replacing
 from ..kernels.status import MESSAGES
-from . import aot
 from .description import description, generation_time
 from .documentation import documentation
 from .link import PLATFORMS, library
@@ -21,14 +20,12 @@ def export_fmu(
     platforms: Iterable[str] | None = None,
     *,
     scene_file: str | os.PathLike | None = None,
-    entries: str = aot.ENTRIES,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Write a model as an FMU (FMI 2.0, co-simulation) and return its path.
 
     platforms   keys of link.PLATFORMS; default: the machine's own
     scene_file  the file that the model was read from, to go with the FMU in resources/
-    entries     where the kernels are, "module:table"
     progress    is told in a few words when something takes long
 
     The file is written whole or not at all. With SOURCE_DATE_EPOCH set, the same model gives the
@@ -48,7 +45,7 @@ def export_fmu(
         files[f"resources/{Path(scene_file).name}"] = Path(scene_file).read_bytes()
 
     for name in chosen:
-        data = library(name, entries, progress).read_bytes()
+        data = library(name, progress).read_bytes()
 
         for folder in PLATFORMS[name].folders:
             files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
