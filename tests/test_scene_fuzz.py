@@ -303,7 +303,64 @@ between = ["a.m", "b"]
 output = ["distance", "distance_rate", "angle", "acceleration"]
 """
 
-GOOD = {"arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS}
+SHAPES = """\
+name = "shapes"
+
+[ground]
+marker.wire = { curve = { cycloid = { radius = 1 } } }
+marker.hill = { surface = { prism = { profile = { parabola = { coefficient = 0.1 } } } } }
+marker.ring = { surface = { torus = { radius = 2, tube = 0.5 } } }
+
+[ground.marker.net.surface.table]
+s1 = [0, 1, 2, 3]
+s2 = [0, 1, 2, 3]
+points = [
+    [[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 3, 0]],
+    [[1, 0, 0], [1, 1, 0], [1, 2, 0], [1, 3, 0]],
+    [[2, 0, 0], [2, 1, 0], [2, 2, 0], [2, 3, 0]],
+    [[3, 0, 0], [3, 1, 0], [3, 2, 0], [3, 3, 0]],
+]
+
+[body.cam]
+mass = 1
+inertia = [1, 1, 1]
+marker.edge = { curve = { spline = { points = [[1, 0], [0, 1], [-1, 0], [0, -1]], closed = true } } }
+
+[body.follower]
+mass = 1
+inertia = [1, 1, 1]
+marker.roller = { position = [2, 0, 0], curve = { circle = { radius = 0.1 } } }
+marker.rail = { curve = { table = { s = [0, 2, 3], points = [[0, 0, 0], [1, 0, 1], [2, 0, 0]] } } }
+marker.ball = { surface = { sphere = { radius = 1 } } }
+
+[joint.shaft]
+revolute = {}
+between = ["ground", "cam"]
+
+[joint.guide]
+prismatic = { axis = "x" }
+between = ["ground", "follower"]
+
+[joint.lift]
+curve_on_curve = {}
+between = ["cam.edge", "follower.roller"]
+start = { s = [0, 3.14] }
+output = ["s", "s_rate"]
+
+[joint.thread]
+point_on_curve = {}
+between = ["ground.wire", "cam"]
+start = { s = 0.5 }
+
+[joint.skin]
+point_on_surface = {}
+between = ["ground.ring", "follower"]
+"""
+
+GOOD = {
+    "arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS,
+    "shapes": SHAPES,
+}
 
 
 # the oracle
@@ -332,6 +389,11 @@ def check_sound(scene):
         assert mass > 0 and np.isfinite(com).all() and np.isfinite(inertia).all()
         for end in (marker.pose() for marker in body.marker.values()):
             assert all(np.isfinite(part).all() for part in end)
+    for holder in (scene.ground, *scene.body.values()):
+        for marker in holder.marker.values():
+            if marker.curve and marker.curve.kind in ("spline", "table"):
+                assert (np.diff(marker.curve.s) > 0).all()
+                assert marker.curve.points.shape == (len(marker.curve.s), 3)
     for joint in scene.joint.values():
         assert np.isclose(np.linalg.norm(joint.axis), 1)
         assert np.isfinite(joint.start_position()).all()
@@ -462,9 +524,9 @@ def changes():
             value = holder[path[-1]]
 
             # some of them at each place, in turns
-            for what, wrong in list(WRONG_VALUES.items())[i % 3::3]:
+            for what, wrong in list(WRONG_VALUES.items())[i % 5::5]:
                 yield name, tables, path, what, put(wrong)
-            for what, change in list(structural_changes(holder, path[-1], value))[i % 2::2]:
+            for what, change in list(structural_changes(holder, path[-1], value))[i % 4::4]:
                 yield name, tables, path, what, change
 
 
@@ -491,13 +553,14 @@ def test_damaged_values_and_keys():
 
 def text_damages(text):
     lines = text.splitlines(keepends=True)
-    for end in range(0, len(text), 7):
+    for end in range(0, len(text), 13):
         yield f"cut off at {end}", text[:end]
     for i, line in enumerate(lines):
         rest = "".join(lines[:i]), "".join(lines[i + 1:])
         yield f"line {i} lost", "".join(rest)
         yield f"line {i} twice", rest[0] + line + line + rest[1]
-        for old, new in [("=", ""), ("[", ""), ('"', ""), ("]", "}"), (".", ","), (",", "")]:
+        slips = [("=", ""), ("[", ""), ('"', ""), ("]", "}"), (".", ","), (",", "")]
+        for old, new in slips[i % 2::2]:
             yield f"{old} made {new} in line {i}", rest[0] + line.replace(old, new) + rest[1]
         yield f"line {i} moved up", line + "".join(rest)
     for junk in ("\x00", "\x7f", "\ufeff", "“", "]", "}", '"', "'''", "= =", "[[body]]\n"):
@@ -632,8 +695,8 @@ MESSAGES = [
     (ARM, 'revolute = { axis = "y" }', 'revolut = { axis = "y" }', [
         '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
         '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", '
-        '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk" or '
-        '"knife_edge"; found "revolut", "between", "start", "input" and "output". '
+        '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", '
+        '"knife_edge", "point_on_curve", "curve_on_curve" or "point_on_surface"; found "revolut", "between", "start", "input" and "output". '
         'Did you mean "revolute"?',
     ]),
     (ARM, 'revolute = { axis = "y" }', 'revolute = {}\nfixed = {}', [
@@ -657,7 +720,8 @@ MESSAGES = [
     ]),
     (ARM, 'zyx_deg = [90, 0, 0]', 'zyx = [90, 0, 0]', [
         '[ground] marker.site.zyx: unknown key; there is "euler_parameters", "zyx_deg", '
-        '"zyx_rad", "axis_angle", "axes" and "position". Did you mean "zyx_deg" or '
+        '"zyx_rad", "axis_angle", "axes", "position", "curve" and "surface". Did you mean '
+        '"zyx_deg" or '
         '"zyx_rad"?',
     ]),
     (ARM, '[0, 0, 0, 1]', '[1, 0, 0, 1]', [
@@ -939,6 +1003,69 @@ output = ["position", "velocity"]
     ]),
     (LOADS, 'output = ["distance", "distance_rate", "angle", "acceleration"]', '', [
         '[measure.gap] output: is missing (what goes out, as in output = ["distance"])',
+    ]),
+    (SHAPES, 'cycloid = { radius = 1 }', 'cyclod = { radius = 1 }', [
+        '[ground] marker.wire.curve: a curve needs one of "line", "circle", "parabola", '
+        '"cycloid", "spline" or "table"; found "cyclod". Did you mean "cycloid"?',
+    ]),
+    (SHAPES, 'curve = { cycloid = { radius = 1 } }', 'curve = "cycloid"', [
+        '[ground] marker.wire.curve: a curve needs a table, found "cycloid"',
+    ]),
+    (SHAPES, 'marker.wire = { curve = { cycloid = { radius = 1 } } }', 'marker.wire = {}', [
+        '[joint.thread] between: point_on_curve needs a curve on its first end, "ground.wire"; '
+        'write marker.wire = { curve = { circle = { radius = 1 } } } and name that marker',
+    ]),
+    (SHAPES, '["ground.ring", "follower"]', '["ground", "follower"]', [
+        '[joint.skin] between: point_on_surface needs a surface on its first end, "ground"; '
+        'write marker.NAME = { surface = { sphere = { radius = 1 } } } and name that marker',
+    ]),
+    (SHAPES, '"follower.roller"', '"follower.rail"', [
+        '[joint.lift] between: the curve on "follower.rail" must lie in a plane z = constant',
+    ]),
+    (SHAPES, 'tube = 0.5', 'tube = 2', [
+        '[ground] marker.ring.surface.torus.tube: must be smaller than the radius 2.0, found 2.0',
+    ]),
+    (SHAPES, 'coefficient = 0.1', 'coeff = 0.1', [
+        '[ground] marker.hill.surface.prism.profile.parabola.coefficient: is missing '
+        '(coefficient c of y = c x^2, in 1/m)',
+        '[ground] marker.hill.surface.prism.profile.parabola.coeff: unknown key; there is '
+        '"coefficient". Did you mean "coefficient"?',
+    ]),
+    (SHAPES, 'profile = { parabola = { coefficient = 0.1 } }',
+     'profile = { spline = { points = [[0, 0, 0], [1, 0, 1]] } }', [
+        '[ground] marker.hill.surface.prism.profile: must lie in the xy plane; its points differ '
+        'in z',
+    ]),
+    (SHAPES, '[0, -1]]', '[0, -1], [1, 0]]', [
+        '[body.cam] marker.edge.curve.spline: the last point is the first again; leave it out of '
+        'a closed curve',
+    ]),
+    (SHAPES, '[0, -1]]', '[-1, 0]]', [
+        '[body.cam] marker.edge.curve.spline.points: [4] is the same point as [3], [-1.0, 0.0]',
+    ]),
+    (SHAPES, 'closed = true', 'closed = true, s = [0, 1, 2, 3]', [
+        '[body.cam] marker.edge.curve.spline: s needs 5 values, one for each point and one back '
+        'at the first; found 4',
+    ]),
+    (SHAPES, '[[1, 0], [0, 1], [-1, 0], [0, -1]]', '[[1, 0], [0, 1, 0]]', [
+        '[body.cam] marker.edge.curve.spline.points: needs a list of points [x, y, z] or [x, y], '
+        'found 2 rows of 2 to 3',
+    ]),
+    (SHAPES, 's = [0, 2, 3], ', '', [
+        '[body.follower] marker.rail.curve.table.s: is missing (the parameter at each point)',
+    ]),
+    (SHAPES, 's1 = [0, 1, 2, 3]', 's1 = [0, 1, 2]', [
+        '[ground] marker.net.surface.table: s1 needs at least 4 values, found 3',
+    ]),
+    (SHAPES, 's1 = [0, 1, 2, 3]', 's1 = [0, 1, 2, 3, 4]', [
+        '[ground] marker.net.surface.table: points needs 5 rows of 4 points, as many as there '
+        'are values of s1 and s2; found 4 of 4',
+    ]),
+    (SHAPES, 's = [0, 3.14]', 's = 3.14', [
+        '[joint.lift] start.s: needs 2 numbers [s1, s2], found 3.14',
+    ]),
+    (SHAPES, 'start = { s = 0.5 }', 'start = { s = "0.5" }', [
+        '[joint.thread] start.s: needs a number, without quotes or a unit; found "0.5"',
     ]),
 ]
 

@@ -280,3 +280,89 @@ def test_measures_may_be_between_the_frames():
     )
     assert scene.measure["way"].between == ("inertial", "ground")
     assert scene.measure["way"].output == ["position", "angle"]
+
+
+# curves, surfaces, contacts
+
+def marker_of(**keys):
+    scene = scene_of(ground={"marker": {"m": keys}})
+    return scene.marker("ground.m")
+
+
+@pytest.mark.parametrize("curve, parameters", [
+    ({"line": {}}, {}),
+    ({"circle": {"radius": 2}}, {"radius": 2}),
+    ({"parabola": {"coefficient": -3}}, {"coefficient": -3}),
+    ({"cycloid": {"radius": 4}}, {"radius": 4}),
+])
+def test_curves(curve, parameters):
+    found = marker_of(curve=curve).curve
+    assert [found.kind] == list(curve)
+    assert found.is_planar
+    for name, value in parameters.items():
+        assert getattr(found, name) == value
+
+
+def test_curves_through_points():
+    curve = marker_of(curve={"spline": {"points": [[0, 0], [3, 4], [3, 5]]}}).curve
+    assert curve.is_planar and not curve.closed
+    assert_allclose(curve.points, [[0, 0, 0], [3, 4, 0], [3, 5, 0]])
+    assert_allclose(curve.s, [0, 5, 6])
+
+    square = [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
+    curve = marker_of(curve={"spline": {"points": square, "closed": True}}).curve
+    assert curve.is_planar and curve.closed
+    assert_allclose(curve.points, [*square, square[0]])
+    assert_allclose(curve.s, [0, 1, 2, 3, 4])
+
+    table = {"s": [1, 2], "points": [[0, 0, 0], [0, 0, 1]]}
+    curve = marker_of(curve={"table": table}).curve
+    assert (curve.kind, curve.is_planar) == ("table", False)
+    assert_allclose(curve.s, [1, 2])
+
+
+@pytest.mark.parametrize("surface, parameters", [
+    ({"plane": {}}, {}),
+    ({"sphere": {"radius": 2}}, {"radius": 2}),
+    ({"cylinder": {"radius": 3}}, {"radius": 3}),
+    ({"torus": {"radius": 4, "tube": 1}}, {"radius": 4, "tube": 1}),
+])
+def test_surfaces(surface, parameters):
+    found = marker_of(surface=surface).surface
+    assert [found.kind] == list(surface)
+    for name, value in parameters.items():
+        assert getattr(found, name) == value
+
+
+def test_prisms_and_tables():
+    surface = marker_of(surface={"prism": {"profile": {"circle": {"radius": 2}}}}).surface
+    assert (surface.kind, surface.profile.kind, surface.profile.radius) == ("prism", "circle", 2)
+
+    points = np.random.default_rng(0).normal(size=(4, 5, 3))
+    table = {"s1": [0, 1, 2, 3], "s2": [0, 1, 2, 3, 4], "points": points.tolist()}
+    surface = marker_of(surface={"table": table}).surface
+    assert surface.kind == "table"
+    assert_allclose(surface.points, points)
+    assert_allclose(surface.s1, [0, 1, 2, 3])
+    assert_allclose(surface.s2, [0, 1, 2, 3, 4])
+
+
+@pytest.mark.parametrize("kind, start_s", [
+    ("point_on_curve", [0.5]), ("curve_on_curve", [0.5, 1]), ("point_on_surface", [0.5, 1]),
+])
+def test_contacts(kind, start_s):
+    shape = {"curve": {"circle": {"radius": 1}}, "surface": {"plane": {}}}
+    bodies = {
+        name: {"mass": 1, "inertia": [1, 1, 1], "marker": {"m": shape}} for name in "ab"
+    }
+
+    def contact(**keys):
+        joint = {kind: {}, "between": ["a.m", "b.m"], **keys}
+        return scene_of(body=bodies, joint={"j": joint}).joint["j"]
+
+    s = start_s if len(start_s) > 1 else start_s[0]
+    joint = contact(start={"s": s}, output=["s", "s_rate", "reaction_force"])
+    assert_allclose(joint.start_s, start_s)
+    assert joint.start_given == {"s"}
+    assert joint.start_position().shape == (0,)
+    assert contact().start_s is None

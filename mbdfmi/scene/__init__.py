@@ -4,6 +4,7 @@ from .bodies import Body, Ground, GroundMarker, Marker
 from .constraints import (
     Distance, KnifeEdge, PointOnLine, PointOnPlane, RollingDisk, RollingSphere,
 )
+from .contacts import CurveOnCurve, PointOnCurve, PointOnSurface
 from .couplings import Coupling, Gear, Rack, Ratio, Spindle
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
@@ -18,10 +19,10 @@ from .schema import Scene, Solver
 from .writer import write_scene
 
 __all__ = [
-    "Body", "Bushing", "Coupling", "Cylindrical", "Distance", "Fixed", "Force", "Free", "Gear",
-    "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "Load", "Marker", "Measure",
-    "Planar", "PointOnLine", "PointOnPlane", "Prismatic", "Problem", "Rack", "Ratio", "Revolute",
-    "RollingDisk", "RollingSphere", "Scene", "SceneError", "Screw", "Solver", "Spherical",
-    "Spindle", "SpringDamper", "Translation", "Universal", "fmi_name", "parse_scene",
-    "read_scene", "write_scene",
+    "Body", "Bushing", "Coupling", "CurveOnCurve", "Cylindrical", "Distance", "Fixed", "Force",
+    "Free", "Gear", "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "Load", "Marker",
+    "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane", "PointOnSurface",
+    "Prismatic", "Problem", "Rack", "Ratio", "Revolute", "RollingDisk", "RollingSphere", "Scene",
+    "SceneError", "Screw", "Solver", "Spherical", "Spindle", "SpringDamper", "Translation",
+    "Universal", "fmi_name", "parse_scene", "read_scene", "write_scene",
 ]

@@ -5,12 +5,14 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
+from .curves import Curve
 from .errors import listed
 from .fields import Array, OneOf, Part, Positive, SomeOf, Vector
 from .motion import Motion
 from .names import Name
 from .orientation import Oriented, Placed
 from .solids import Solid, composite
+from .surfaces import Surface
 
 MARKER_OUTPUTS = (
     "position", "velocity", "acceleration", "euler_parameters", "zyx", "omega", "alpha",
@@ -83,11 +85,21 @@ class Observed(Part):
         return self
 
 
-class GroundMarker(Placed):
+class Shaped(Placed):
+    """A frame that may carry a curve and a surface.
+
+    curve, surface : in the frame's axes, or None.
+    """
+
+    curve: Curve | None = None
+    surface: Surface | None = None
+
+
+class GroundMarker(Shaped):
     """A frame on the ground, its position and orientation in the ground's."""
 
 
-class Marker(Observed, Placed):
+class Marker(Observed, Shaped):
     """A frame on a body, its position and orientation in the body's own frame."""
 
 

@@ -8,8 +8,11 @@ its message from the schema.
 from pydantic import BaseModel
 
 from .constraints import CONSTRAINTS
+from .contacts import CONTACTS
 from .couplings import COUPLINGS, CouplingBase
-from .errors import NAMED_TABLES, Problem, did_you_mean, listed, place_text, quoted
+from .errors import (
+    NAMED_TABLES, Problem, did_you_mean, key_text, listed, place_text, quoted,
+)
 from .names import FRAMES, fmi_name
 
 
@@ -43,6 +46,11 @@ def cross_references(data):
         if text := _wrong_coupling(coupling, joints):
             problems.append(Problem(("coupling", name, "between"), text))
 
+    shapes = {
+        (_plain(owner), _plain(name)): marker
+        for owner, holder in (*bodies.items(), ("ground", ground))
+        for name, marker in _entries(holder, "marker").items()
+    }
     edges, slack = [], {}
     all_clear = True
     for table in ("joint", "force", "measure"):
@@ -53,6 +61,9 @@ def cross_references(data):
             problems += [Problem((table, name, key), text) for text in wrong]
 
             if table == "joint":
+                if ends and not wrong:
+                    texts = _missing_shapes(entry, ends, shapes)
+                    problems += [Problem((table, name, key), text) for text in texts]
                 all_clear = all_clear and ends and not wrong
                 if kind := _constraint_kind(entry):
                     slack |= {end[0]: (name, kind) for end in ends}
@@ -62,6 +73,19 @@ def cross_references(data):
     # while a joint's ends are in doubt, so is what hangs on it
     if all_clear:
         problems += _loose_bodies(bodies, edges, slack)
+    return problems
+
+
+def unfit_shapes(scene):
+    """The problems of a valid scene's curves that are to touch but are not planar."""
+    problems = []
+    for name, joint in scene.joint.items():
+        if joint.kind != "curve_on_curve":
+            continue
+        for end in joint.between:
+            if not scene.marker(end).curve.is_planar:
+                text = f"the curve on {quoted(end)} must lie in a plane z = constant"
+                problems.append(Problem(("joint", name, "between"), text))
     return problems
 
 
@@ -228,9 +252,25 @@ def _wrong_end(end, markers, joints):
     return text + did_you_mean(same[0] if same else written, known)
 
 
+def _missing_shapes(joint, ends, markers):
+    """Texts about curves and surfaces that a contact needs; markers is {(body, name): marker}."""
+    contact = next((cls for cls in CONTACTS if _get(joint, cls.kind) is not None), None)
+    if not contact:
+        return
+
+    examples = {"curve": "{ circle = { radius = 1 } }", "surface": "{ sphere = { radius = 1 } }"}
+    for end, shape, which in zip(ends, contact.shapes, ("first", "second")):
+        if shape and _get(markers.get(tuple(end)), shape) is None:
+            marker = key_text(end[1]) if len(end) == 2 else "NAME"
+            yield (
+                f"{contact.kind} needs a {shape} on its {which} end, {quoted('.'.join(end))}; "
+                f"write marker.{marker} = {{ {shape} = {examples[shape]} }} and name that marker"
+            )
+
+
 def _constraint_kind(joint):
     """The kind of a joint that only constrains, or None."""
-    kinds = (cls.kind for cls in CONSTRAINTS)
+    kinds = (cls.kind for cls in CONSTRAINTS + CONTACTS)
     return next((kind for kind in kinds if _get(joint, kind) is not None), None)
 
 

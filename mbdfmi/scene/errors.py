@@ -134,12 +134,14 @@ def did_you_mean(word, options):
     word = str(word).lower()
 
     # the word itself in other case; then `mass_kg` is meant to be `mass`, `zyx` one of `zyx_deg`
-    # and `zyx_rad`, `rk45` to be `rk54`; only after these what is nearest by letters
+    # and `zyx_rad`, `rk45` to be `rk54`, `coeff` to be `coefficient`; only after these what is
+    # nearest by letters
     near = (
         [option for option in spelt if option == word]
         or [option for option in spelt if word.startswith(option + "_")]
         or [option for option in spelt if option.startswith(word + "_")]
         or [option for option in spelt if sorted(option) == sorted(word)]
+        or [option for option in spelt if option.startswith(word) and len(word) > 2]
         or get_close_matches(word, list(spelt), n=1, cutoff=0.65)
     )
     return f" Did you mean {listed([spelt[option] for option in near], 'or')}?" if near else ""

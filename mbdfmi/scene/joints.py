@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from .constraints import CONSTRAINTS
+from .contacts import CONTACTS
 from .efforts import (
     AngularDriver, AngularSpring, AngularStop, Friction, LinearDriver, LinearSpring, LinearStop,
 )
@@ -215,5 +216,5 @@ class Free(Plain):
 
 Joint = by_key(
     "a joint", Fixed, Revolute, Prismatic, Cylindrical, Universal, Spherical, Planar, Translation,
-    Screw, Free, *CONSTRAINTS,
+    Screw, Free, *CONSTRAINTS, *CONTACTS,
 )

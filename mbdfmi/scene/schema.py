@@ -4,7 +4,7 @@ import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
 from .bodies import Body, Ground
-from .checks import clashes, cross_references
+from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
 from .errors import SceneError
 from .fields import OneOf, Part, Positive, SomeOf, Vector
@@ -128,6 +128,8 @@ class Scene(Part):
             scene, problems = None, problems_of(error, cls, data)
 
         problems += cross_references(data)
+        if not problems:
+            problems += unfit_shapes(scene)
         if scene:
             problems += clashes(scene)
         if problems:
@@ -141,12 +143,16 @@ class Scene(Part):
         frame of that.
         Raises KeyError for an end that is not there.
         """
-        owner, _, marker = end.partition(".")
-        if not marker:
+        owner, _, name = end.partition(".")
+        if not name:
             return owner, np.zeros(3), np.eye(3)
+        return owner, *self.marker(end).pose()
 
+    def marker(self, end):
+        """The marker that an end ("body.marker", "ground.marker") names. Raises KeyError."""
+        owner, _, name = end.partition(".")
         holder = self.ground if owner == "ground" else self.body[owner]
-        return owner, *holder.marker[marker].pose()
+        return holder.marker[name]
 
     def to_toml(self):
         """The scene as the text of a TOML file."""

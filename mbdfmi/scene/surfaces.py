@@ -1,0 +1,165 @@
+"""Surfaces on markers, each by parameters s1 and s2, in the marker's axes."""
+
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from .curves import Curve
+from .errors import show
+from .fields import Empty, Part, Positive, array, by_key
+from .tables import Ascending
+
+
+class Plane(Part):
+    """plane = {}: the xy plane, s1 = x, s2 = y in m."""
+
+    kind: ClassVar[str] = "plane"
+
+    plane: Empty
+
+
+class RadiusOptions(Part):
+    """radius : m."""
+
+    radius: Positive = Field(description="radius in m")
+
+
+class Round(Part):
+    """A surface with a radius."""
+
+    @property
+    def radius(self):
+        """m."""
+        return getattr(self, self.kind).radius
+
+
+class SphereSurface(Round):
+    """sphere = { radius }: about the origin; s1 longitude from x to y, s2 latitude, rad."""
+
+    kind: ClassVar[str] = "sphere"
+
+    sphere: RadiusOptions
+
+
+class CylinderSurface(Round):
+    """cylinder = { radius }: about the z axis; s1 angle from x to y in rad, s2 = z in m."""
+
+    kind: ClassVar[str] = "cylinder"
+
+    cylinder: RadiusOptions
+
+
+class TorusOptions(Part):
+    """radius : of the circle in the middle of the tube, m. tube : radius of the tube, m."""
+
+    radius: Positive = Field(description="radius of the circle in the middle of the tube, in m")
+    tube: Positive = Field(description="radius of the tube in m")
+
+    @field_validator("tube")
+    @classmethod
+    def _check_tube(cls, tube, info):
+        if tube >= info.data.get("radius", np.inf):
+            raise ValueError(
+                f"must be smaller than the radius {show(info.data['radius'])}, found {show(tube)}"
+            )
+        return tube
+
+
+class Torus(Round):
+    """torus = { radius, tube }: about the z axis; s1 angle about it from x to y, s2 angle about
+    the tube from the outside to z, rad."""
+
+    kind: ClassVar[str] = "torus"
+
+    torus: TorusOptions
+
+    @property
+    def tube(self):
+        """Radius of the tube, m."""
+        return self.torus.tube
+
+
+class PrismOptions(Part):
+    """profile : a planar curve, by s1."""
+
+    profile: Curve = Field(description="a curve, as in profile = { circle = { radius = 1 } }")
+
+    @field_validator("profile")
+    @classmethod
+    def _check_profile(cls, profile):
+        if not profile.is_planar:
+            raise ValueError("must lie in the xy plane; its points differ in z")
+        return profile
+
+
+class Prism(Part):
+    """prism = { profile }: a curve in the xy plane, by s1, moved along z, s2 = z in m."""
+
+    kind: ClassVar[str] = "prism"
+
+    prism: PrismOptions
+
+    @property
+    def profile(self):
+        """The curve."""
+        return self.prism.profile
+
+
+def _grid(value):
+    what = "rows of points [x, y, z], a row for each s1 and in it a point for each s2"
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if not isinstance(value, (list, tuple)) or not value or not isinstance(value[0], (list, tuple)):
+        raise ValueError(f"needs {what}; found {show(value)}")
+    return array(value, (len(value), len(value[0]), 3), what=what)
+
+
+class GridOptions(Part):
+    """s1, s2 : parameters (n1,), (n2,), at least 4 each. points : (n1, n2, 3) in m."""
+
+    s1: Ascending
+    s2: Ascending
+    points: Annotated[tuple, BeforeValidator(_grid)]
+
+    @model_validator(mode="after")
+    def _check_grid(self):
+        for key in ("s1", "s2"):
+            if len(getattr(self, key)) < 4:
+                raise ValueError(f"{key} needs at least 4 values, found {len(getattr(self, key))}")
+
+        found, needed = np.shape(self.points)[:2], (len(self.s1), len(self.s2))
+        if found != needed:
+            raise ValueError(
+                f"points needs {needed[0]} rows of {needed[1]} points, as many as there are "
+                f"values of s1 and s2; found {found[0]} of {found[1]}"
+            )
+        return self
+
+
+class TableSurface(Part):
+    """table = { s1, s2, points }: a bicubic spline through points."""
+
+    kind: ClassVar[str] = "table"
+
+    table: GridOptions
+
+    @property
+    def s1(self):
+        """(n1,)"""
+        return np.array(self.table.s1)
+
+    @property
+    def s2(self):
+        """(n2,)"""
+        return np.array(self.table.s2)
+
+    @property
+    def points(self):
+        """(n1, n2, 3) in m."""
+        return np.array(self.table.points)
+
+
+Surface = by_key(
+    "a surface", Plane, SphereSurface, CylinderSurface, Torus, Prism, TableSurface,
+)
