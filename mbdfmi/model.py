@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .compiler.absolute import add_absolute_starts, start_motion
 from .compiler.bodies import add_bodies, add_markers, add_scene_outputs, add_settings
 from .compiler.builder import Builder
 from .compiler.constraints import add_constraints
@@ -16,7 +17,7 @@ from .compiler.forces import add_forces
 from .compiler.joints import add_joints
 from .kernels import integrate, layout, outputs
 from .scene import Scene
-from .topology import Tree, spanning_tree
+from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable
 
 
@@ -63,10 +64,24 @@ class Model:
 
 def compile_scene(scene: Scene) -> Model:
     """The model of a scene. Raises SceneError where its parts do not form what the kernels can do."""
-    builder = Builder(scene, spanning_tree(scene), scene.solver.formulation == "embedding")
+    if scene.solver.formulation == "augmented":
+        relative = _compile(scene, spanning_tree(scene), "recursive")
+        return _compile(scene, absolute_tree(relative.tree, scene), "recursive", start_motion(relative))
+
+    formulation = scene.solver.formulation
+    return _compile(scene, spanning_tree(scene), "recursive" if formulation == "auto" else formulation)
+
+
+def _compile(scene, tree, formulation, motion=None):
+    """The model on a tree; `motion`: start values of absolute coordinates."""
+    builder = Builder(scene, tree, formulation == "embedding")
     add_settings(builder)
     add_bodies(builder)
     add_joints(builder)
+
+    if motion:
+        add_absolute_starts(builder, motion)
+
     add_forces(builder)
     add_constraints(builder)
     add_markers(builder)

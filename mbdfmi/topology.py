@@ -1,6 +1,6 @@
-"""From a scene's graph of bodies and joints to a spanning tree of nodes.
+"""From a scene's graph of bodies and joints to a tree of nodes.
 
-A node is what fixed joints hold together; node 0 is the ground. Poses are pairs (r, A): origin (3,) in m and
+A node is what fixed joints hold together. Node 0 is the inertial frame; the ground is in it unless it moves, then it is node 1. Poses are pairs (r, A): origin (3,) in m and
 rotation matrix (3, 3) of a frame, in the frame named.
 """
 
@@ -76,13 +76,10 @@ class Tree:
         node, pose = self.home[body]
         return node, compose(pose, (position, axes))
 
-    def joint_side(self, scene: Scene, name: str, side: int):
-        """(node, pose in the node) of a joint's first (0) or second (1) marker, z turned to the joint's axis there."""
-        joint = scene.joint[name]
-        body, position, axes = scene.marker_pose(joint.between[side])
-        node, pose = self.home[body]
-        axis = joint.axes[side] if joint.kind == "universal" else joint.axis
-        return node, compose(pose, (position, axes @ axes_with_z(axis)))
+    def joint_side(self, scene: Scene, name: str, side: int, turn):
+        """(node, pose in the node) of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""
+        node, (r, A) = self.marker(scene, scene.joint[name].between[side])
+        return node, (r, A @ turn)
 
 
 def spanning_tree(scene: Scene) -> Tree:
@@ -101,6 +98,7 @@ def spanning_tree(scene: Scene) -> Tree:
 
     # Kruskal's algorithm on groups
     leader = list(range(len(welded)))
+    leader[group_of["ground"]] = 0
 
     def find(k):
         while leader[k] != k:
@@ -115,7 +113,7 @@ def spanning_tree(scene: Scene) -> Tree:
         a, b = ends[name]
 
         if find(a) != find(b):
-            leader[find(a)] = find(b)
+            leader[max(find(a), find(b))] = min(find(a), find(b))
             chosen.add(name)
 
     for name in ends:
@@ -124,9 +122,17 @@ def spanning_tree(scene: Scene) -> Tree:
                 joints_at[at].append((name, other))
 
     cuts = [name for name, joint in scene.joint.items() if joint.kind != "fixed" and name not in chosen]
-    ground = Node(parent=-1, joint="", kind="", coordinate=0, reversed=False, joint_frame=IDENTITY, bodies=["ground"])
-    tree = Tree([ground], {body: (0, pose) for body, pose in welded[0].items()}, cuts)
-    stack = [(0, name, group) for name, group in reversed(joints_at[0])]
+    tree = Tree([Node(-1, "", "", 0, False, IDENTITY, list(welded[0]))], {}, cuts)
+    tree.home |= {body: (0, pose) for body, pose in welded[0].items()}
+    roots = [(0, 0)]
+
+    if group_of["ground"] != 0:
+        group = welded[group_of["ground"]]
+        tree.nodes.append(Node(0, "", "free", 0, False, IDENTITY, list(group)))
+        tree.home |= {body: (1, pose) for body, pose in group.items()}
+        roots.append((1, group_of["ground"]))
+
+    stack = [(at, name, group) for at, root in roots for name, group in reversed(joints_at[root])]
 
     while stack:
         parent, name, group = stack.pop()
@@ -135,6 +141,22 @@ def spanning_tree(scene: Scene) -> Tree:
         stack += [(at, *rest) for rest in reversed(joints_at[group]) if rest[0] != name]
 
     return tree
+
+
+def absolute_tree(tree: Tree, scene: Scene) -> Tree:
+    """The tree of absolute coordinates: every node with bodies hangs on the ground by a free joint, every joint is a constraint.
+
+    The nodes' frames stay those of `tree`.
+    """
+    ground = tree.home["ground"][0]
+    kept = [i for i, node in enumerate(tree.nodes) if i <= ground or node.bodies]
+    new = {i: k for k, i in enumerate(kept)}
+    nodes = [
+        tree.nodes[i] if i <= ground else Node(ground, "", "free", 0, False, IDENTITY, tree.nodes[i].bodies)
+        for i in kept
+    ]
+    home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
+    return Tree(nodes, home, [name for name, joint in scene.joint.items() if joint.kind != "fixed"])
 
 
 # freedoms of the joints that a tree can be made of
@@ -205,7 +227,11 @@ def _hang(scene, tree, name, parent, group):
 
 def _weld(scene):
     """Groups of bodies that fixed joints hold together: body -> pose in the frame of the group's first."""
-    neighbours = {name: [] for name in ("ground", *scene.body)}
+    neighbours = {name: [] for name in ("inertial", "ground", *scene.body)}
+
+    if scene.ground.motion is None:
+        neighbours["inertial"].append(("", "ground", IDENTITY))
+        neighbours["ground"].append(("", "inertial", IDENTITY))
 
     for name, joint in scene.joint.items():
         if joint.kind == "fixed":

@@ -17,11 +17,11 @@ def problem(name):
     return json.loads((REFERENCE / f"{name}.json").read_text())
 
 
-def scene_of(data, **extra):
+def scene_of(data, body_output=(), **extra):
     """A Scene of a problem's bodies, joints, spring-dampers, gravity and start velocities.
 
     Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies without
-    joints get free ones. `extra`: further keys of the scene; tables are merged.
+    joints get free ones. body_output: outputs of every body. `extra`: further keys of the scene; tables are merged.
     """
     bodies = {body["name"]: _Body(body) for body in data["bodies"]}
     bodies["ground"] = _Body({"name": "ground"})
@@ -69,7 +69,7 @@ def scene_of(data, **extra):
         "name": data["id"],
         "gravity": data["gravity"],
         "ground": {"marker": ground.markers},
-        "body": {name: body.table() for name, body in bodies.items()},
+        "body": {name: body.table() | {"output": list(body_output)} for name, body in bodies.items()},
         "joint": joints,
         "force": forces,
     }

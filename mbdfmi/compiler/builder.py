@@ -4,8 +4,8 @@ import numpy as np
 
 from ..kernels import coordinates, layout, outputs
 from ..kernels.joints import KINDS, N_Q, N_V
-from ..scene import Problem, Scene, SceneError
-from ..topology import Tree
+from ..scene import Scene
+from ..topology import Tree, axes_with_z, chain
 from ..variables import Variable, subscripts
 
 
@@ -81,17 +81,14 @@ class Builder:
 
     def marker(self, name):
         """Index of a marker of the scene by name; "inertial" is 0."""
-        if name == "inertial":
-            return self.add_marker(name, 0, (np.zeros(3), np.eye(3)))
-
         return self.add_marker(name, *self.tree.marker(self.scene, name))
 
-    def joint_marker(self, joint, side):
-        """Index of a joint's first (0) or second (1) marker, its z turned to the joint's axis."""
-        return self.add_marker((joint, side), *self.tree.joint_side(self.scene, joint, side))
+    def joint_marker(self, joint, side, turn):
+        """Index of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""
+        return self.add_marker((joint, side, turn.tobytes()), *self.tree.joint_side(self.scene, joint, side, turn))
 
     def coordinate(self, joint, k=0):
-        """Index of a joint's scalar coordinate k. Raises SceneError where a loop's joint has none that can be told."""
+        """Index of a joint's scalar coordinate k, one of its simple motions (see topology.chain)."""
         key = (joint, k)
 
         if key not in self._coordinates:
@@ -108,31 +105,28 @@ class Builder:
                 coordinate_to=0,
             )
 
-        kind = self.scene.joint[joint].kind
-        kinds = {
-            "revolute": [coordinates.ANGLE],
-            "prismatic": [coordinates.SLIDE],
-            "cylindrical": [coordinates.SLIDE, coordinates.ANGLE],
-            "screw": [coordinates.SLIDE, coordinates.ANGLE],
-        }
+        spec = self.scene.joint[joint]
+        kind, axis = chain(spec)[k]
+        turn = axes_with_z(axis)
+        sides = (0, 1)
 
-        if kind not in kinds:
-            text = (
-                f"this {kind} joint closes a loop, where its coordinates have no value of their own; give springs, "
-                "inputs and outputs to other joints of the loop, or measure between two markers"
-            )
-            raise SceneError([Problem(("joint", joint), text)])
+        # a universal joint's angles are those of one side's axis about the other's
+        if spec.kind == "universal":
+            other = spec.axes[1 - k]
+            z = axis if k == 0 else -axis
+            turn = np.column_stack([other, np.cross(z, other), z])
+            sides = (0, 1) if k == 0 else (1, 0)
 
         return dict(
-            coordinate_kind=kinds[kind][k],
+            coordinate_kind=coordinates.ANGLE if kind == "revolute" else coordinates.SLIDE,
             coordinate_body=0,
-            coordinate_from=self.joint_marker(joint, 0),
-            coordinate_to=self.joint_marker(joint, 1),
+            coordinate_from=self.joint_marker(joint, sides[0], turn),
+            coordinate_to=self.joint_marker(joint, sides[1], turn),
         )
 
     def node_of(self, end):
         """Node of a marker of the scene."""
-        return 0 if end == "inertial" else self.tree.marker(self.scene, end)[0]
+        return self.tree.marker(self.scene, end)[0]
 
     def nodes_of(self, joint):
         """Nodes that a joint connects."""

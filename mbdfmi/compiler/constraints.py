@@ -6,6 +6,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels import rows
 from ..kernels.joints import KINDS, N_V
+from ..topology import axes_with_z
 from .start import start_pose
 
 ALIGNED = [(rows.DOT, 0, 2), (rows.DOT, 1, 2)]  # z of both markers parallel
@@ -64,11 +65,19 @@ def _joint_constraint(builder, name):
 
     return dict(
         name=name,
-        markers=[builder.joint_marker(name, side) for side in (0, 1)],
+        markers=[builder.joint_marker(name, side, turn) for side, turn in enumerate(_turns(joint))],
         nodes=builder.nodes_of(name),
         rows=ROWS[joint.kind],
         value=(value, 0.0),
     )
+
+
+def _turns(joint):
+    """Rotation matrices that bring the z axes of a joint's two markers to the axes that its rows are about."""
+    if joint.kind == "universal":
+        return [axes_with_z(axis) for axis in joint.axes]
+
+    return [axes_with_z(joint.axis)] * 2
 
 
 def _path(builder, nodes):

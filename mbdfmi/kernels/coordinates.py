@@ -1,7 +1,7 @@
 """Scalar coordinates of joints: what springs, dampers, friction, stops, drives and outputs of one freedom refer to.
 
 A joint of the tree has its coordinate in the state. One that closes a loop has it between its two markers (a, b): the
-angle of b about a's z axis, or the displacement of b along it. Angles there are followed through full turns: the last accepted value
+angle of b's x axis about a's z axis, or the displacement of b along it. Angles there are followed through full turns: the last accepted value
 tells which turn it is.
 """
 
@@ -34,8 +34,8 @@ def value(m, d, k):
     if m.coordinate_kind[k] == SLIDE:
         return markers.relative_position(m, d, a, b)[2]
 
-    E = al.matrix_E(markers.relative_axes(m, d, a, b))
-    return unwrapped(2.0 * math.atan2(E[2], E[3]), d.coordinate_last[k])
+    A = markers.relative_axes(m, d, a, b)
+    return unwrapped(math.atan2(A[1][0], A[0][0]), d.coordinate_last[k])
 
 
 @inlined

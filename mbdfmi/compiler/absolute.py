@@ -1,0 +1,58 @@
+"""Start values in absolute coordinates, found in relative ones."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..kernels import entry
+from ..kernels.views import DataView, ModelView
+from ..variables import dotted
+
+
+def start_motion(model):
+    """Pose and motion of the bodies of a model in relative coordinates once its loops are closed.
+
+    Returns body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes.
+    """
+    m = ModelView(ints=model.ints, reals=model.reals.copy())
+    state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(3 * max(1, model.n_u))
+    d = DataView(ints=model.ints, state=state, work=work, u=u)
+    entry.prepare_model(m, d)
+    entry.initialise(m, d, 0.0)
+    entry.compute_outputs(m, d, np.zeros(model.n_y))
+    r, rd, w = (array.reshape(-1, 3) for array in (d.r, d.rd, d.w))
+    A = d.A.reshape(-1, 3, 3)
+    g = model.tree.home["ground"][0]
+    motion = {}
+
+    for body, (i, _) in model.tree.home.items():
+        span = r[i] - r[g]
+        seen = rd[i] - rd[g] - np.cross(w[g], span)
+        E = Rotation.from_matrix(A[g].T @ A[i]).as_quat()
+        q = np.concatenate([A[g].T @ span, E])
+        v = np.concatenate([A[g].T @ seen, A[g].T @ (w[i] - w[g])])
+        motion[body] = (q, v)
+
+    return motion
+
+
+def add_absolute_starts(builder, motion):
+    """Start values of nodes that hang freely on the ground, as parameters named after their first body."""
+    ground = builder.tree.home["ground"][0]
+
+    for i, node in enumerate(builder.nodes):
+        if i <= ground:
+            continue
+
+        name = node.bodies[0]
+        q, v = motion[name]
+        builder.single["q_start"][builder.q[i] : builder.q[i] + 7] = q
+        builder.single["v_start"][builder.v[i] : builder.v[i] + 6] = v
+
+        for quantity, array, at, values, unit in (
+            ("position", "q_start", builder.q[i], q[:3], "m"),
+            ("euler_parameters", "q_start", builder.q[i] + 3, q[3:], None),
+            ("velocity", "v_start", builder.v[i], v[:3], "m/s"),
+            ("omega", "v_start", builder.v[i] + 3, v[3:], "rad/s"),
+        ):
+            about = f"{quantity.replace('_', ' ')} of the moving part of {name} at the start, its frame in the ground's axes"
+            builder.add_parameters(dotted(name, f"{quantity}_start"), array, at, values, unit, about, "fixed")

@@ -1,0 +1,118 @@
+"""Curves by a parameter s, in their marker's axes: r(s) and its first two derivatives.
+
+==========  ==============================================  =========
+kind        r(s)                                            s
+==========  ==============================================  =========
+LINE        (s, 0, 0)                                       m
+CIRCLE      R (cos s/R, sin s/R, 0)                         m, runs on
+PARABOLA    (s, c s^2, 0)                                   m
+CYCLOID     R (s + sin s, 1 - cos s, 0)                     rad
+SPLINE      cubic pieces; beyond its ends straight on, or   as given
+            from its start again where it is closed
+==========  ==============================================  =========
+"""
+
+import math
+
+from . import algebra as al
+from .language import inlined, kernel
+
+LINE = 0
+CIRCLE = 1
+PARABOLA = 2
+CYCLOID = 3
+SPLINE = 4
+
+KINDS = {"line": LINE, "circle": CIRCLE, "parabola": PARABOLA, "cycloid": CYCLOID, "spline": SPLINE, "table": SPLINE}
+
+
+@inlined
+def piece(p, first, pieces, s):
+    """Which of the pieces that begin at the ascending p[first], p[first + 1], .. s is in; the first reaches back without end."""
+    low = 0
+    high = pieces
+
+    while high - low > 1:
+        middle = (low + high) // 2
+
+        if p[first + middle] <= s:
+            low = middle
+        else:
+            high = middle
+
+    return low
+
+
+@inlined
+def cubic(c, at, x):
+    """c0 + c1 x + c2 x^2 + c3 x^3 of four numbers from c[at] on, and its two derivatives."""
+    value = c[at] + x * (c[at + 1] + x * (c[at + 2] + x * c[at + 3]))
+    slope = c[at + 1] + x * (2.0 * c[at + 2] + 3.0 * x * c[at + 3])
+    return value, slope, 2.0 * c[at + 2] + 6.0 * x * c[at + 3]
+
+
+@inlined
+def spline(m, k, s):
+    """(r, r', r'') of a spline."""
+    first = m.curve_piece[k]
+    period = m.curve_value[k]
+
+    if period > 0.0:
+        start = m.piece_s[first + 1]
+        s -= period * math.floor((s - start) / period)
+
+    i = first + piece(m.piece_s, first, m.curve_pieces[k], s)
+    u = s - m.piece_s[i]
+    x = cubic(m.piece_c, 12 * i, u)
+    y = cubic(m.piece_c, 12 * i + 4, u)
+    z = cubic(m.piece_c, 12 * i + 8, u)
+    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
+
+
+@kernel
+def point(m, k, s):
+    """(r, r', r'') of curve k at s: m and m per unit of s, in its marker's axes."""
+    kind = m.curve_kind[k]
+    R = m.curve_value[k]
+
+    if kind == LINE:
+        return (s, 0.0, 0.0), (1.0, 0.0, 0.0), al.ZERO3
+
+    if kind == CIRCLE:
+        c = math.cos(s / R)
+        y = math.sin(s / R)
+        return (R * c, R * y, 0.0), (-y, c, 0.0), (-c / R, -y / R, 0.0)
+
+    if kind == PARABOLA:
+        return (s, R * s * s, 0.0), (1.0, 2.0 * R * s, 0.0), (0.0, 2.0 * R, 0.0)
+
+    if kind == CYCLOID:
+        c = math.cos(s)
+        y = math.sin(s)
+        return (R * (s + y), R * (1.0 - c), 0.0), (R * (1.0 + c), R * y, 0.0), (-R * y, R * c, 0.0)
+
+    return spline(m, k, s)
+
+
+@inlined
+def window(m, k, p, margin):
+    """The (lowest, highest) s at which curve k may be closest to a point within `margin` (m) of p (m)."""
+    kind = m.curve_kind[k]
+    R = m.curve_value[k]
+
+    if kind == LINE:
+        return p[0] - margin, p[0] + margin
+
+    if kind == CIRCLE:
+        return 0.0, 2.0 * math.pi * R
+
+    if kind == PARABOLA:
+        reach = abs(p[0]) + margin + math.sqrt((abs(p[1]) + margin) / abs(R))
+        return -reach, reach
+
+    if kind == CYCLOID:
+        return (p[0] - margin) / R - 1.0, (p[0] + margin) / R + 1.0
+
+    first = m.curve_piece[k]
+    last = first + m.curve_pieces[k] - 1
+    return m.piece_s[first], m.piece_s[last] + (m.curve_value[k] if m.curve_value[k] > 0.0 else 0.0)

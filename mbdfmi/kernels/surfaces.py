@@ -1,0 +1,142 @@
+"""Surfaces by parameters s1 and s2, in their marker's axes: r(s1, s2) and its derivatives.
+
+==========  ===========================================================  ===================
+kind        r                                                            s1, s2
+==========  ===========================================================  ===================
+PLANE       (s1, s2, 0)                                                  m, m
+SPHERE      R (cos s2 cos s1, cos s2 sin s1, sin s2)                     rad, rad
+CYLINDER    (R cos s1, R sin s1, s2)                                     rad, m
+TORUS       ((R + t cos s2) cos s1, (R + t cos s2) sin s1, t sin s2)     rad, rad
+PRISM       a planar curve by s1, moved along z by s2                    the curve's, m
+TABLE       bicubic patches; beyond its edges straight on                as given
+==========  ===========================================================  ===================
+"""
+
+import math
+
+from . import algebra as al
+from . import curves
+from .language import inlined, kernel
+
+PLANE = 0
+SPHERE = 1
+CYLINDER = 2
+TORUS = 3
+PRISM = 4
+TABLE = 5
+
+KINDS = {"plane": PLANE, "sphere": SPHERE, "cylinder": CYLINDER, "torus": TORUS, "prism": PRISM, "table": TABLE}
+
+Z = (0.0, 0.0, 1.0)
+
+
+@inlined
+def bicubic(c, at, x, y):
+    """A bicubic polynomial of 16 numbers from c[at] on (powers of y run fastest), and its derivatives.
+
+    Returns (value, d/dx, d/dy, d2/dx2, d2/dxdy, d2/dy2).
+    """
+    value = slope_x = slope_y = bend_x = twist = bend_y = 0.0
+
+    # Horner's rule for the polynomial in x whose coefficients are cubics in y
+    for row in range(3, -1, -1):
+        f, f_y, f_yy = curves.cubic(c, at + 4 * row, y)
+        bend_x = 2.0 * slope_x + x * bend_x
+        slope_x = value + x * slope_x
+        value = f + x * value
+        twist = slope_y + x * twist
+        slope_y = f_y + x * slope_y
+        bend_y = f_yy + x * bend_y
+
+    return value, slope_x, slope_y, bend_x, twist, bend_y
+
+
+@inlined
+def patch(m, k, s1, s2):
+    """`point` of a table."""
+    first1 = m.surface_grid[2 * k]
+    first2 = m.surface_grid[2 * k + 1]
+    i = curves.piece(m.grid_s, first1, m.surface_cells[2 * k], s1)
+    j = curves.piece(m.grid_s, first2, m.surface_cells[2 * k + 1], s2)
+    at = 48 * (m.surface_patch[k] + i * m.surface_cells[2 * k + 1] + j)
+    x = bicubic(m.patch_c, at, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
+    y = bicubic(m.patch_c, at + 16, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
+    z = bicubic(m.patch_c, at + 32, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
+    return (
+        (x[0], y[0], z[0]),
+        (x[1], y[1], z[1]),
+        (x[2], y[2], z[2]),
+        (x[3], y[3], z[3]),
+        (x[4], y[4], z[4]),
+        (x[5], y[5], z[5]),
+    )
+
+
+@kernel
+def point(m, k, s1, s2):
+    """(r, r_1, r_2, r_11, r_12, r_22) of surface k at (s1, s2), indices for derivatives: in its marker's axes."""
+    kind = m.surface_kind[k]
+    R = m.surface_value[2 * k]
+    zero = al.ZERO3
+
+    if kind == PLANE:
+        return (s1, s2, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), zero, zero, zero
+
+    if kind == PRISM:
+        r, t, tt = curves.point(m, m.surface_curve[k], s1)
+        return al.axpy(s2, Z, r), t, Z, tt, zero, zero
+
+    if kind == TABLE:
+        return patch(m, k, s1, s2)
+
+    x = (math.cos(s1), math.sin(s1), 0.0)
+    y = (-x[1], x[0], 0.0)
+
+    if kind == CYLINDER:
+        return al.axpy(s2, Z, al.scale(R, x)), al.scale(R, y), Z, al.scale(-R, x), zero, zero
+
+    # sphere: a tube of radius R about a circle of none
+    tube = R
+
+    if kind == SPHERE:
+        R = 0.0
+    else:
+        tube = m.surface_value[2 * k + 1]
+
+    c = tube * math.cos(s2)
+    s = tube * math.sin(s2)
+    out = al.axpy(s, Z, al.scale(c, x))
+    r = al.axpy(R, x, out)
+    return (
+        r,
+        al.scale(R + c, y),
+        al.axpy(c, Z, al.scale(-s, x)),
+        al.scale(-(R + c), x),
+        al.scale(-s, y),
+        al.neg(out),
+    )
+
+
+@inlined
+def window(m, k, p):
+    """((lowest, highest) s1, (lowest, highest) s2) at which surface k may be closest to the point p (m)."""
+    kind = m.surface_kind[k]
+    turn = 2.0 * math.pi
+
+    if kind == PLANE:
+        return (p[0], p[0]), (p[1], p[1])
+
+    if kind == PRISM:
+        return curves.window(m, m.surface_curve[k], p, 0.0), (p[2], p[2])
+
+    if kind == TABLE:
+        first1 = m.surface_grid[2 * k]
+        first2 = m.surface_grid[2 * k + 1]
+        last1 = first1 + m.surface_cells[2 * k] - 1
+        last2 = first2 + m.surface_cells[2 * k + 1] - 1
+        return (m.grid_s[first1], m.grid_s[last1]), (m.grid_s[first2], m.grid_s[last2])
+
+    if kind == CYLINDER:
+        return (0.0, turn), (p[2], p[2])
+
+    return (-0.5 * turn, 0.5 * turn), (-0.5 * turn, 0.5 * turn)
