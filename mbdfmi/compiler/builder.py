@@ -124,6 +124,17 @@ class Builder:
             coordinate_to=self.joint_marker(joint, sides[1], turn),
         )
 
+    def table(self, polynomial, beyond):
+        """Index of a piecewise cubic function (scipy PPoly of degree at most 3); `beyond`: see kernels/tables.py."""
+        first = self.tables["n_knot"].length
+        coefficients = np.zeros((4, len(polynomial.x)))
+        coefficients[: len(polynomial.c), :-1] = polynomial.c[::-1]
+
+        for x, c in zip(polynomial.x, coefficients.T):
+            self.tables["n_knot"].add(knot_x=x, knot_c=c)
+
+        return self.tables["n_table"].add(table_knot=first, table_knots=len(polynomial.x), table_beyond=beyond)
+
     def node_of(self, end):
         """Node of a marker of the scene."""
         return self.tree.marker(self.scene, end)[0]

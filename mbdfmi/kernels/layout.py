@@ -32,6 +32,9 @@ COUNTS = (
     "n_path",  # nodes between the constraints and the ground, summed
     "n_reach",  # values of all rows' responses in the joints between
     "n_envelope",  # values of the rows' inverse inertia, within its envelope
+    "n_table",  # piecewise cubic functions
+    "n_knot",  # their knots
+    "n_drive",  # joints whose motion is prescribed, the ground's too
     "n_output",  # blocks of outputs
     "n_u",  # scalar inputs
     "n_y",  # scalar outputs
@@ -97,6 +100,12 @@ ARRAYS = (
     Row("row_j", "ints", 1, "n_row", "axis of the second marker, or node of the second coordinate"),
     Row("row_first", "ints", 1, "n_row", "first row whose response meets this one's"),
     Row("row_envelope", "ints", 1, "n_row", "where that product stands in the envelope"),
+    Row("table_knot", "ints", 1, "n_table", "first knot"),
+    Row("table_knots", "ints", 1, "n_table", "number of knots"),
+    Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
+    Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
+    Row("drive_body", "ints", 1, "n_drive", "node"),
+    Row("drive_at", "ints", 1, "n_drive", "first of its tables or inputs"),
     Row("output_kind", "ints", 1, "n_output", "see outputs.py"),
     Row("output_a", "ints", 1, "n_output", "what it is about: node, marker or force"),
     Row("output_b", "ints", 1, "n_output", "second marker, where there is one"),
@@ -124,7 +133,10 @@ ARRAYS = (
     Row("linear_preload", "reals", 6, "n_linear", "N, N m"),
     Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
+    Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
     # constants
+    Row("knot_x", "reals", 1, "n_knot", "argument of a table"),
+    Row("knot_c", "reals", 4, "n_knot", "cubic to the next knot, from here: 1, s, s^2, s^3"),
     Row("body_r", "reals", 3, "n_body", "m, joint frame in the parent's frame"),
     Row("body_A", "reals", 9, "n_body", "joint axes to the parent's axes"),
     Row("solid_r", "reals", 3, "n_solid", "m, user's body frame in the node"),
