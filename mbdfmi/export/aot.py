@@ -6,7 +6,6 @@ depends neither on this machine's vector units nor on what this process has comp
 
 import importlib
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -57,25 +56,15 @@ def module_of(table: dict) -> str:
         dispatcher.compile(signature)
         compiled = dispatcher.overloads[signature.args]
 
-        part = binding.parse_assembly(_without_runtime(compiled.library.get_llvm_str()))
+        part = binding.parse_assembly(compiled.library.get_llvm_str())
         part.triple = ""
         part.data_layout = ""
         part.get_function(compiled.fndesc.llvm_func_name).name = name
-        whole.link_in(part)
+        whole.link_in(part)  # leaves behind what is not called, numba's reference counting too
 
     _hide(whole, set(table))
     whole.verify()
     return str(whole)
-
-
-def _without_runtime(ir: str) -> str:
-    """Empties numba's reference counting: arrays made by carray own nothing, so it never runs.
-
-    Its bodies hold an instruction of one processor and call into numba's runtime.
-    """
-    body = re.compile(r"^(define [^\n]*@NRT_(?:incref|decref)\([^\n]*\{)\n.*?^\}", re.M | re.S)
-
-    return body.sub(r"\1\n  ret void\n}", ir)
 
 
 def _hide(module, entries: set[str]) -> None:
