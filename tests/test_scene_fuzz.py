@@ -295,8 +295,12 @@ load = { force = [1, 0, 0], axes = "body" }
 on = "a.m"
 
 [force.gust]
-load = { table = { time = [0, 1], force = [[0, 0, 0], [1, 0, 0]], moment = [[0, 0, 0], [0, 0, 1]] } }
 on = "b"
+
+[force.gust.load.table]
+time = [0, 1]
+force = [[0, 0, 0], [1, 0, 0]]
+moment = [[0, 0, 0], [0, 0, 1]]
 
 [measure.gap]
 between = ["a.m", "b"]
@@ -324,7 +328,9 @@ points = [
 [body.cam]
 mass = 1
 inertia = [1, 1, 1]
-marker.edge = { curve = { spline = { points = [[1, 0], [0, 1], [-1, 0], [0, -1]], closed = true } } }
+
+[body.cam.marker.edge.curve]
+spline = { points = [[1, 0], [0, 1], [-1, 0], [0, -1]], closed = true }
 
 [body.follower]
 mass = 1
@@ -640,6 +646,7 @@ def test_anything_at_all_as_a_scene(value):
 
 # what the messages say
 
+ORBIT = 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }'
 MESSAGES = [
     (ARM, 'mass    = 2.0', 'mas = 2.0', [
         '[body.upper] mas: unknown key; there is "mass", "com", "inertia", "inertia_axes", '
@@ -696,7 +703,8 @@ MESSAGES = [
         '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
         '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", '
         '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", '
-        '"knife_edge", "point_on_curve", "curve_on_curve" or "point_on_surface"; found "revolut", "between", "start", "input" and "output". '
+        '"knife_edge", "point_on_curve", "curve_on_curve" or "point_on_surface"; found "revolut", '
+        '"between", "start", "input" and "output". '
         'Did you mean "revolute"?',
     ]),
     (ARM, 'revolute = { axis = "y" }', 'revolute = {}\nfixed = {}', [
@@ -850,25 +858,21 @@ output = ["position", "velocity"]
     (DRIVES, 'pointing = true', 'pointing = "yes"', [
         '[ground] motion.orbit.pointing: needs true or false, found "yes"',
     ]),
-    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
-     'rotation = { axis = "z" }', [
+    (DRIVES, ORBIT, 'rotation = { axis = "z" }', [
         '[ground] motion.rotation: needs "speed", "speed_deg" or "speed_rpm"',
     ]),
     (DRIVES, 'orbit = { radius', 'orbits = { radius', [
         '[ground] motion: a motion needs one of "acceleration", "rotation", "orbit", "table" or '
         '"input"; found "orbits". Did you mean "orbit"?',
     ]),
-    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
-     'table = { time = [0, 1], position = [[0, 0, 0], [1, 0]] }', [
+    (DRIVES, ORBIT, 'table = { time = [0, 1], position = [[0, 0, 0], [1, 0]] }', [
         '[ground] motion.table.position: needs vectors [x, y, z], found 2 rows of 2 to 3',
     ]),
-    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
-     'table = { time = [0, 1], euler_parameters = [[0, 0, 0, 1], [0, 0, 0, 2]] }', [
+    (DRIVES, ORBIT, 'table = { time = [0, 1], euler_parameters = [[0, 0, 0, 1], [0, 0, 0, 2]] }', [
         '[ground] motion.table.euler_parameters: [2]: Euler parameters [E1, E2, E3, E4], scalar '
         'last, have unit length; found 2',
     ]),
-    (DRIVES, 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }',
-     'table = { time = [0, 1] }', [
+    (DRIVES, ORBIT, 'table = { time = [0, 1] }', [
         '[ground] motion.table: needs "position" or an orientation: "zyx_deg", "zyx_rad" or '
         '"euler_parameters"',
     ]),
@@ -995,7 +999,7 @@ output = ["position", "velocity"]
         '[force.push] load.forces: unknown key; there is "force", "moment", "table" and "axes". '
         'Did you mean "force"?',
     ]),
-    (LOADS, 'time = [0, 1], force', 'time = [0, 1, 2], force', [
+    (LOADS, 'time = [0, 1]', 'time = [0, 1, 2]', [
         '[force.gust] load.table: "time" has 3 values and "force" 2; each needs one of the other',
     ]),
     (LOADS, '["a.m", "b"]', '["a.m", "b.m"]', [

@@ -166,7 +166,7 @@ class Driver(Part):
 
     @property
     def kind(self):
-        """ "constant_speed", "harmonic", "table" or "input"."""
+        """One of "constant_speed", "harmonic", "table" and "input"."""
         for kind in ("harmonic", "table", "input"):
             if getattr(self, kind) is not None:
                 return kind
@@ -192,7 +192,10 @@ class AngularDriver(Driver):
     """One of constant_speed : rad/s, or _deg, _rpm; harmonic; table; input = true."""
 
     needed = (
-        ("constant_speed", "constant_speed_deg", "constant_speed_rpm", "harmonic", "table", "input"),
+        (
+            "constant_speed", "constant_speed_deg", "constant_speed_rpm",
+            "harmonic", "table", "input",
+        ),
     )
 
     constant_speed: Number | None = None

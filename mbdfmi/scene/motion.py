@@ -84,7 +84,7 @@ class OrbitOptions(Part):
     pointing: Boolean = True
 
     def axes(self):
-        """(3, 3): the radial direction and that of the track at angle 0, and the normal, by column."""
+        """(3, 3), by column: the radial direction and the track's at angle 0, and the normal."""
         return plane_axes(unit_vector(self.normal))
 
     def phase_value(self):
