@@ -53,15 +53,28 @@ class Results(Mapping):
 
         return Path(path)
 
-    def plot(self, path) -> Path:
-        """Write a picture: one panel for each variable, components of an array together, time below.
-
-        The file's ending chooses the format. Raises ImportError without matplotlib (extra `plot`).
-        """
+    @staticmethod
+    def check_plot(path):
+        """Raise now what `plot` would raise later: ImportError without matplotlib (extra `plot`), ValueError
+        for a file's ending that is no picture's."""
         try:
             from matplotlib.figure import Figure
         except ImportError as error:
             raise ImportError("plots need matplotlib: pip install 'mbdfmi[plot]'") from error
+
+        formats = Figure().canvas.get_supported_filetypes()
+
+        if Path(path).suffix.lstrip(".").lower() not in formats:
+            raise ValueError(f"{path}: no picture's name; it ends in .png, .svg or .pdf")
+
+    def plot(self, path) -> Path:
+        """Write a picture: one panel for each variable, components of an array together, time below.
+
+        The file's ending chooses the format. Raises ImportError without matplotlib (extra `plot`), ValueError
+        for an ending that is no picture's.
+        """
+        self.check_plot(path)
+        from matplotlib.figure import Figure
 
         panels = defaultdict(list)
 
@@ -98,6 +111,6 @@ class Results(Mapping):
         figure.suptitle(self.title)
 
         with replacing(path) as temporary:
-            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".") or "png")
+            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
 
         return Path(path)
