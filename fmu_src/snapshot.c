@@ -18,9 +18,11 @@ struct Snapshot {
     Core core;                        /* and the rest of the instance's block */
 };
 
+#define HEAD_SIZE offsetof(Snapshot, core)
+
 size_t snapshot_size(const Instance *c)
 {
-    return offsetof(Snapshot, core) + c->core_size;
+    return HEAD_SIZE + c->core_size;
 }
 
 Snapshot *snapshot_take(const Instance *c, Snapshot *s)
@@ -37,19 +39,18 @@ Snapshot *snapshot_take(const Instance *c, Snapshot *s)
     s->n_state = r->n_state;
     s->n_u = r->n_u;
     memcpy(s->guid, r->guid, GUID_SIZE);
-    memcpy(&s->core, c->core, c->core_size);
+    memcpy((char *)s + HEAD_SIZE, c->core, c->core_size);
     return s;
 }
 
 void snapshot_restore(Instance *c, const Snapshot *s)
 {
     c->current = false;
-    memcpy(c->core, &s->core, c->core_size);
+    memcpy(c->core, (const char *)s + HEAD_SIZE, c->core_size);
 }
 
 void snapshot_free(Snapshot *s)
 {
-    memset(s->magic, 0, sizeof s->magic);
     free(s);
 }
 
@@ -70,7 +71,7 @@ const char *snapshot_fault(const Instance *c, const Snapshot *s)
 
 void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
 {
-    uint32_t crc = crc32_of(&s->core, c->core_size);
+    uint32_t crc = crc32_of((const char *)s + HEAD_SIZE, c->core_size);
 
     memcpy(bytes, s, snapshot_size(c));
     memcpy(bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
@@ -101,7 +102,7 @@ Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_
     memcpy(copy, bytes, size);
 
     *fault = snapshot_fault(c, copy);
-    if (!*fault && crc32_of(&copy->core, c->core_size) != copy->crc)
+    if (!*fault && crc32_of(bytes + HEAD_SIZE, c->core_size) != copy->crc)
         *fault = "its checksum is wrong: damaged";
     if (!*fault && !possible(&copy->core))
         *fault = "it holds impossible values";
