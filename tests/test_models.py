@@ -150,6 +150,34 @@ def test_fmpy_runs_it(scene, fmu):
     assert_same(result, scene.simulate(N * H, H, inputs), outputs)
 
 
+def test_start_values(tmp_path):
+    """A free body starts where the scene says, or a parameter does, in process and as an FMU."""
+    scene = mbdfmi.Scene(
+        name="free",
+        body={"box": {"solid": {"box": {"size": [1, 2, 3], "mass": 1}}, "output": ["position", "velocity"]}},
+        joint={
+            "j": {
+                "free": {},
+                "between": ["ground", "box"],
+                "start": {"position": [1, 2, 3], "velocity": [4, 5, 6]},
+                "output": ["position", "velocity"],
+            }
+        },
+    )
+    changed = {"j.position_start[1]": 7.0, "j.velocity_start[3]": 8.0}
+    fmu = scene.export(tmp_path / "free.fmu")
+
+    for parameters, position, velocity in (({}, [1, 2, 3], [4, 5, 6]), (changed, [7, 2, 3], [4, 5, 8])):
+        results = scene.simulate(0.1, 0.1, parameters=parameters)
+        table = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.1, start_values=parameters)
+
+        for name in ("j", "box"):
+            np.testing.assert_allclose(results[f"{name}.position"][0], position, rtol=1e-15)
+            np.testing.assert_allclose(results[f"{name}.velocity"][0], velocity, rtol=1e-15)
+            found = [table[f"{name}.{quantity}[{k}]"][0] for quantity in ("position", "velocity") for k in (1, 2, 3)]
+            np.testing.assert_allclose(found, position + velocity, rtol=1e-15)
+
+
 def test_any_step_gives_the_same_to_rounding(scene, fmu):
     """fmpy steps by the difference of two rounded times, which is not quite 0.01 s."""
     result = fmpy.simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.01)
