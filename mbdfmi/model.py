@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .compiler.absolute import add_absolute_starts, start_motion
-from .compiler.bodies import add_bodies, add_markers, add_scene_outputs, add_settings
+from .compiler.bodies import add_bodies, add_markers, add_measures, add_scene_outputs, add_settings
 from .compiler.builder import Builder
 from .compiler.constraints import add_constraints
 from .compiler.forces import add_forces
 from .compiler.joints import add_joints
+from .compiler.reactions import add_reactions
 from .kernels import integrate, layout, outputs
 from .scene import Scene
 from .topology import Tree, absolute_tree, spanning_tree
@@ -84,7 +85,9 @@ def _compile(scene, tree, formulation, motion=None):
 
     add_forces(builder)
     add_constraints(builder)
+    add_reactions(builder)
     add_markers(builder)
+    add_measures(builder)
     add_scene_outputs(builder)
     return _assemble(builder)
 
@@ -100,7 +103,7 @@ def _assemble(builder):
         "n_x": builder.n_q + builder.n_v,
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
-        "output_needs": int(any(kind in outputs.ACCELERATES for _, _, kind in builder.outputs)),
+        "output_needs": outputs.needs([kind for _, _, kind, _ in builder.outputs]),
         "embeds": int(builder.embeds),
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": integrate.INTEGRATORS[scene.solver.integrator],

@@ -1,6 +1,6 @@
 """From a scene's graph of bodies and joints to a tree of nodes.
 
-A node is what fixed joints hold together. Node 0 is the inertial frame; the ground is in it unless it moves, then it is node 1. Poses are pairs (r, A): origin (3,) in m and
+A node is what fixed joints hold together, those left out whose reactions are asked for. Node 0 is the inertial frame; the ground is in it unless it moves, then it is node 1. Poses are pairs (r, A): origin (3,) in m and
 rotation matrix (3, 3) of a frame, in the frame named.
 """
 
@@ -93,7 +93,7 @@ def spanning_tree(scene: Scene) -> Tree:
     ends = {
         name: [group_of[end.split(".")[0]] for end in joint.between]
         for name, joint in scene.joint.items()
-        if joint.kind in FREEDOMS
+        if joint.kind in FREEDOMS and not is_weld(joint)
     }
 
     # Kruskal's algorithm on groups
@@ -121,7 +121,7 @@ def spanning_tree(scene: Scene) -> Tree:
             for at, other in (ends[name], ends[name][::-1]):
                 joints_at[at].append((name, other))
 
-    cuts = [name for name, joint in scene.joint.items() if joint.kind != "fixed" and name not in chosen]
+    cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and name not in chosen]
     tree = Tree([Node(-1, "", "", 0, False, IDENTITY, list(welded[0]))], {}, cuts)
     tree.home |= {body: (0, pose) for body, pose in welded[0].items()}
     roots = [(0, 0)]
@@ -156,11 +156,17 @@ def absolute_tree(tree: Tree, scene: Scene) -> Tree:
         for i in kept
     ]
     home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
-    return Tree(nodes, home, [name for name, joint in scene.joint.items() if joint.kind != "fixed"])
+    return Tree(nodes, home, [name for name, joint in scene.joint.items() if not is_weld(joint)])
+
+
+def is_weld(joint) -> bool:
+    """Whether a joint's two sides are one node: a fixed joint, unless its reactions are asked for."""
+    return joint.kind == "fixed" and not joint.output
 
 
 # freedoms of the joints that a tree can be made of
 FREEDOMS = {
+    "fixed": 0,
     "revolute": 1,
     "prismatic": 1,
     "screw": 1,
@@ -175,8 +181,10 @@ FREEDOMS = {
 
 def _preference(joint):
     """Sorts joints for the tree: those with something of their own, then few freedoms, then the file's order."""
-    own = joint.spring or joint.damper or joint.input or joint.output or "start" in joint.model_fields_set
-    return (FREEDOMS[joint.kind] == 6, not own, FREEDOMS[joint.kind])
+    own = joint.spring or joint.damper or joint.friction or joint.stop or joint.driver or joint.input
+    own = own or any(not name.startswith("reaction") for name in joint.output) or "start" in joint.model_fields_set
+    freedoms = FREEDOMS[joint.kind]
+    return (freedoms == 6, freedoms > 0 and not own, freedoms)
 
 
 def chain(joint):
@@ -234,7 +242,7 @@ def _weld(scene):
         neighbours["ground"].append(("", "inertial", IDENTITY))
 
     for name, joint in scene.joint.items():
-        if joint.kind == "fixed":
+        if is_weld(joint):
             (body_a, *pose_a), (body_b, *pose_b) = map(scene.marker_pose, joint.between)
             b_in_a = compose(tuple(pose_a), inverse(tuple(pose_b)))
             neighbours[body_a].append((name, body_b, b_in_a))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..kernels import outputs
+from ..kernels import outputs, rows
 from ..kernels.joints import KINDS
 from ..variables import dotted
 
@@ -13,13 +13,39 @@ MARKER_OUTPUTS = {
     "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters in the inertial frame, scalar last"),
     "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll in the inertial frame"),
     "omega": (outputs.OMEGA, "rad/s", "angular velocity in the inertial frame"),
+    "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration in the inertial frame"),
+    "alpha": (outputs.ALPHA, "rad/s2", "angular acceleration in the inertial frame"),
     "velocity_body": (outputs.VELOCITY_BODY, "m/s", "velocity in its own axes"),
     "omega_body": (outputs.OMEGA_BODY, "rad/s", "angular velocity in its own axes"),
+    "acceleration_body": (outputs.LINEAR_ACCELERATION_BODY, "m/s2", "acceleration in its own axes"),
+    "alpha_body": (outputs.ALPHA_BODY, "rad/s2", "angular acceleration in its own axes"),
+}
+MEASURES = {
+    "distance": (outputs.DISTANCE, "m", "distance"),
+    "distance_rate": (outputs.DISTANCE_RATE, "m/s", "rate of the distance"),
+    "angle": (outputs.Z_ANGLE, "rad", "angle between the z axes"),
+    "position": (outputs.POSITION, "m", "position"),
+    "velocity": (outputs.VELOCITY, "m/s", "velocity"),
+    "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration"),
+    "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters, scalar last,"),
+    "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll"),
+    "omega": (outputs.OMEGA, "rad/s", "angular velocity"),
 }
 SCENE_OUTPUTS = {
     "kinetic_energy": (outputs.KINETIC_ENERGY, "J", "kinetic energy"),
-    "potential_energy": (outputs.POTENTIAL_ENERGY, "J", "potential energy of weight, springs and preloads"),
+    "potential_energy": (outputs.POTENTIAL_ENERGY, "J", "potential energy of weight, springs, stops and preloads"),
     "total_energy": (outputs.TOTAL_ENERGY, "J", "kinetic and potential energy"),
+    "gravity_energy": (outputs.GRAVITY_ENERGY, "J", "potential energy of weight"),
+    "spring_energy": (outputs.SPRING_ENERGY, "J", "potential energy of springs, stops and preloads"),
+    "linear_momentum": (outputs.LINEAR_MOMENTUM, "kg.m/s", "linear momentum, that of added mass included"),
+    "angular_momentum": (
+        outputs.ANGULAR_MOMENTUM,
+        "kg.m2/s",
+        "angular momentum about the inertial origin, that of added mass included",
+    ),
+    "center_of_mass": (outputs.CENTER_OF_MASS, "m", "centre of mass of the bodies that move"),
+    "constraint_gap": (outputs.CONSTRAINT_GAP, None, "largest error of the constraints' positions (m, rad)"),
+    "constraint_rate": (outputs.CONSTRAINT_RATE, None, "largest error of the constraints' velocities (m/s, rad/s)"),
 }
 
 
@@ -34,7 +60,13 @@ def add_settings(builder):
         "absolute_tolerance": solver.absolute_tolerance,
         "max_step": solver.max_step or 1e30,
     }
-    builder.add_parameters("gravity", "gravity", 0, builder.scene.gravity, "m/s2", "gravity in the inertial frame")
+
+    if central := builder.scene.central_gravity:
+        builder.tables["n_central"].add(central_mu=central.mu)
+        about = "weight -mu r / |r|^3 per mass, r from the inertial origin"
+        builder.add_parameters("central_gravity.mu", "central_mu", 0, central.mu, "m3/s2", about)
+    else:
+        builder.add_parameters("gravity", "gravity", 0, builder.scene.gravity, "m/s2", "gravity in the inertial frame")
 
     if fixed_step:
         builder.add_parameters("solver.step", "step", 0, solver.step, "s", "largest inner step")
@@ -123,8 +155,36 @@ def _add_marker(builder, path, spec):
         builder.add_outputs(dotted(*path, output), kind, unit, f"{about} of {name}", [node], 0, index)
 
 
+def add_measures(builder):
+    """What is seen of one marker from another."""
+    for name, measure in builder.scene.measure.items():
+        a, b = map(builder.marker, measure.between)
+        nodes = [builder.node_of(end) for end in measure.between]
+
+        for output in measure.output:
+            kind, unit, about = MEASURES[output]
+            about = f"{about} of {name}: {measure.between[1]} in {measure.between[0]}"
+            builder.add_outputs(dotted(name, output), kind, unit, about, nodes, a, b)
+
+
 def add_scene_outputs(builder):
     """Outputs of the whole scene."""
     for output in builder.scene.output:
+        if output == "multipliers":
+            _add_multipliers(builder)
+            continue
+
         kind, unit, about = SCENE_OUTPUTS[output]
         builder.add_outputs(output, kind, unit, about, np.arange(len(builder.nodes)).tolist())
+
+
+def _add_multipliers(builder):
+    """The multiplier of every row."""
+    columns = builder.tables["n_row"].columns
+
+    for row in range(builder.tables["n_row"].length):
+        c, kind = int(columns["row_constraint"][row][0]), int(columns["row_kind"][row][0])
+        unit = {rows.DOT: "N.m", rows.COUPLING: None}.get(kind, "N")
+        about = f"multiplier of a row of {builder.constraint_names[c]}"
+        nodes = builder.constraint_nodes(c)
+        builder.add_outputs(f"multipliers[{row + 1}]", outputs.MULTIPLIER, unit, about, nodes, row)

@@ -33,6 +33,7 @@ class Builder:
     embeds : dynamics by the joint-space mass matrix.
     single : arrays that belong to no table, by name; counts : numbers that are no table's length.
     constraint_names : joints or couplings in the order of the constraints.
+    reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     """
 
     def __init__(self, scene: Scene, tree: Tree, embeds: bool):
@@ -47,6 +48,8 @@ class Builder:
         self.single = {}
         self.counts = {}
         self.constraint_names = []
+        self.reactions = []
+        self.torque_inputs = {}
         self._markers = {}
         self._coordinates = {}
         self._index_nodes()
@@ -135,6 +138,13 @@ class Builder:
 
         return self.tables["n_table"].add(table_knot=first, table_knots=len(polynomial.x), table_beyond=beyond)
 
+    def reaction(self, joint):
+        """Index of a joint's reaction."""
+        if joint not in self.reactions:
+            self.reactions.append(joint)
+
+        return self.reactions.index(joint)
+
     def node_of(self, end):
         """Node of a marker of the scene."""
         return self.tree.marker(self.scene, end)[0]
@@ -155,15 +165,15 @@ class Builder:
 
         return first
 
-    def add_outputs(self, name, kind, unit, description, nodes, a=0, b=0):
-        """A block of outputs that is about `nodes`."""
+    def add_outputs(self, name, kind, unit, description, nodes, a=0, b=0, fed_by=()):
+        """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it."""
         first = len(self.outputs)
         width = outputs.WIDTH.get(kind)
         self.tables["n_output"].add(output_kind=kind, output_a=a, output_b=b, output_y=first)
 
         for k, ending in enumerate(subscripts((width,) if width else ())):
             variable = (name + ending, "output", "continuous", None, unit, description, first + k)
-            self.outputs.append((variable, set(nodes) - {0}, kind))
+            self.outputs.append((variable, set(nodes) - {0}, kind, fed_by))
 
     def add_parameters(self, name, array, row, values, unit, description, variability="tunable"):
         """Parameters that stand from row `row` of an array of `reals` on; units by element or one for all."""
@@ -185,8 +195,8 @@ class Builder:
         island = self._islands()
         results = []
 
-        for fields, nodes, kind in self.outputs:
-            depends = ()
+        for fields, nodes, kind, fed_by in self.outputs:
+            depends = tuple(fed_by)
 
             # only accelerations and reactions feel inputs at once, and only those that act on the same island
             if kind in outputs.ACCELERATES:

@@ -1,10 +1,19 @@
-"""Force elements between two markers."""
+"""Force elements between two markers, and loads on one."""
 
 import numpy as np
+from scipy.interpolate import PPoly
 
 from ..kernels import outputs
+from ..kernels.tables import HOLD
 from ..variables import dotted
+from .elastic import elastic_table
 from .start import start_pose
+
+STRUT_OUTPUTS = {
+    "length": (outputs.STRUT_LENGTH, "m", "length"),
+    "rate": (outputs.STRUT_RATE, "m/s", "rate of the length"),
+    "force": (outputs.STRUT_FORCE, "N", "tension"),
+}
 
 
 def add_forces(builder):
@@ -13,7 +22,12 @@ def add_forces(builder):
         ends = [builder.marker(end) for end in force.between]
 
         if force.kind == "linear":
-            _add_linear(builder, name, force.linear, ends)
+            spec = force.linear
+            _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector())
+        elif force.kind == "bushing":
+            _add_linear(builder, name, force.bushing, ends, np.zeros((6, 6)), np.zeros(6))
+        elif force.kind == "load":
+            _add_load(builder, name, force.load, *ends)
         else:
             _add_strut(builder, name, force, ends)
 
@@ -21,7 +35,21 @@ def add_forces(builder):
 def _add_strut(builder, name, force, ends):
     """A spring-damper along the line between two markers."""
     spec = force.spring_damper
+    linear = spec.table is None
+    stiffness = spec.stiffness if linear else 0.0
     rest = spec.rest_length
+    damping = spec.damping if isinstance(spec.damping, float) else 0.0
+    table = damper_table = u = -1
+    nodes = [builder.node_of(end) for end in force.between]
+
+    if not linear:
+        table, rest = elastic_table(builder, spec.table)
+
+    if not isinstance(spec.damping, float):
+        damper_table, _ = elastic_table(builder, spec.damping.table)
+
+    if force.input:
+        u = builder.add_inputs(dotted(name, "force"), (), "N", f"force of {name} beside its spring, tension positive", nodes)
 
     if rest is None:
         first, second = (start_pose(builder, end)[0] for end in force.between)
@@ -30,30 +58,34 @@ def _add_strut(builder, name, force, ends):
     row = builder.tables["n_strut"].add(
         strut_from=ends[0],
         strut_to=ends[1],
-        strut_stiffness=spec.stiffness,
-        strut_damping=spec.damping,
+        strut_spring_table=table,
+        strut_damper_table=damper_table,
+        strut_u=u,
+        strut_stiffness=stiffness,
+        strut_damping=damping,
         strut_rest=rest,
     )
-    about = f"stiffness of {name}"
-    builder.add_parameters(dotted(name, "stiffness"), "strut_stiffness", row, spec.stiffness, "N/m", about)
-    about = f"damping of {name}"
-    builder.add_parameters(dotted(name, "damping"), "strut_damping", row, spec.damping, "N.s/m", about)
-    about = f"length of {name} without force"
-    builder.add_parameters(dotted(name, "rest_length"), "strut_rest", row, rest, "m", about)
-    nodes = [builder.node_of(end) for end in force.between]
+
+    if linear:
+        about = f"stiffness of {name}"
+        builder.add_parameters(dotted(name, "stiffness"), "strut_stiffness", row, stiffness, "N/m", about)
+        about = f"length of {name} without force"
+        builder.add_parameters(dotted(name, "rest_length"), "strut_rest", row, rest, "m", about)
+
+    if damper_table < 0:
+        about = f"damping of {name}"
+        builder.add_parameters(dotted(name, "damping"), "strut_damping", row, damping, "N.s/m", about)
 
     for output in force.output:
-        kind = outputs.STRUT_LENGTH if output == "length" else outputs.STRUT_FORCE
-        unit, about = ("m", "length") if output == "length" else ("N", "tension")
-        builder.add_outputs(dotted(name, output), kind, unit, f"{about} of {name}", nodes, row)
+        kind, unit, about = STRUT_OUTPUTS[output]
+        fed_by = [u] if output == "force" and force.input else []
+        builder.add_outputs(dotted(name, output), kind, unit, f"{about} of {name}", nodes, row, fed_by=fed_by)
 
 
-def _add_linear(builder, name, spec, ends):
+def _add_linear(builder, name, spec, ends, added, preload):
     """A 6x6 force."""
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
-    added = spec.added_mass_matrix()
-    preload = spec.preload_vector()
     row = builder.tables["n_linear"].add(
         linear_from=ends[0],
         linear_to=ends[1],
@@ -80,3 +112,36 @@ def _add_linear(builder, name, spec, ends):
         builder.add_parameters(
             dotted(name, "preload"), "linear_preload", row, preload, ["N"] * 3 + ["N.m"] * 3, about
         )
+
+
+def _add_load(builder, name, spec, marker):
+    """A wrench on a marker, constant or over time."""
+    force, moment = spec.force_vector(), spec.moment_vector()
+    tables = {"force": -1, "moment": -1}
+
+    if spec.table:
+        time, *columns = spec.table.points()
+
+        for quantity, vectors in zip(tables, columns):
+            if np.any(vectors):
+                tables[quantity] = _vector_tables(builder, time, vectors)
+
+    row = builder.tables["n_load"].add(
+        load_marker=marker,
+        load_axes=marker if spec.axes == "body" else 0,
+        load_force_table=tables["force"],
+        load_moment_table=tables["moment"],
+        load_force=force,
+        load_moment=moment,
+    )
+
+    for quantity, value, unit in (("force", force, "N"), ("moment", moment, "N.m")):
+        if getattr(spec, quantity) is not None:
+            about = f"{quantity} of {name}, in {'its own' if spec.axes == 'body' else 'inertial'} axes"
+            builder.add_parameters(dotted(name, quantity), f"load_{quantity}", row, value, unit, about)
+
+
+def _vector_tables(builder, time, vectors):
+    """Index of the first of 3 tables of a vector over time: straight lines from point to point, held beyond the ends."""
+    slopes = np.diff(vectors, axis=0) / np.diff(time)[:, None]
+    return [builder.table(PPoly([slope, value], time), HOLD) for slope, value in zip(slopes.T, vectors[:-1].T)][0]

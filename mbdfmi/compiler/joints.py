@@ -4,9 +4,11 @@ import numpy as np
 
 from ..kernels import outputs
 from ..variables import dotted
+from .elastic import elastic_table
 
 # what the scalar coordinates of a joint are: names of a coordinate and its rate, its unit; several of one name are an array
 COORDINATES = {
+    "fixed": [],
     "revolute": [("angle", "speed", "rad")],
     "prismatic": [("position", "speed", "m")],
     "screw": [("position", "speed", "m"), ("angle", "angular_speed", "rad")],
@@ -23,6 +25,10 @@ POSES = {
         [("position", "m", 3), ("euler_parameters", None, 4)],
         [("velocity", "m/s", 3), ("omega", "rad/s", 3)],
     ),
+}
+REACTIONS = {
+    "reaction_force": (outputs.REACTION_FORCE, "N", "force"),
+    "reaction_moment": (outputs.REACTION_MOMENT, "N.m", "moment about the second marker's origin"),
 }
 POSE_OUTPUTS = {
     "position": (outputs.POSITION, "m", "position"),
@@ -44,6 +50,12 @@ def add_joints(builder):
 
         if joint.spring or joint.damper:
             _add_spring(builder, name, joint)
+
+        if joint.friction:
+            _add_friction(builder, name, joint)
+
+        if joint.stop:
+            _add_stop(builder, name, joint)
 
         _add_inputs(builder, name, joint)
         _add_outputs(builder, name, joint)
@@ -99,24 +111,78 @@ def _add_spring(builder, name, joint):
     """Spring and damper in a joint of one degree of freedom."""
     unit = COORDINATES[joint.kind][0][2]
     effort = "N.m" if unit == "rad" else "N"
-    stiffness = joint.spring.stiffness if joint.spring else 0.0
-    rest = joint.spring.rest_value() if joint.spring else 0.0
+    linear = joint.spring and joint.spring.table is None
+    stiffness = joint.spring.stiffness if linear else 0.0
+    rest = joint.spring.rest_value() if linear else 0.0
+    damping = joint.damper if isinstance(joint.damper, float) else 0.0
+    table = damper_table = -1
+
+    if joint.spring and not linear:
+        table, rest = elastic_table(builder, joint.spring.table)
+
+    if not isinstance(joint.damper, float):
+        damper_table, _ = elastic_table(builder, joint.damper.table)
+
     row = builder.tables["n_joint_spring"].add(
         joint_spring_coordinate=builder.coordinate(name),
+        joint_spring_table=table,
+        joint_damper_table=damper_table,
         joint_stiffness=stiffness,
         joint_rest=rest,
-        joint_damping=joint.damper,
+        joint_damping=damping,
     )
 
-    if joint.spring:
+    if linear:
         about = f"stiffness of {name}"
         builder.add_parameters(dotted(name, "stiffness"), "joint_stiffness", row, stiffness, f"{effort}/{unit}", about)
         about = f"position of {name} at which its spring is slack"
         builder.add_parameters(dotted(name, "rest"), "joint_rest", row, rest, unit, about)
 
-    if joint.damper:
+    if damping:
         about = f"damping of {name}"
-        builder.add_parameters(dotted(name, "damper"), "joint_damping", row, joint.damper, f"{effort}.s/{unit}", about)
+        builder.add_parameters(dotted(name, "damper"), "joint_damping", row, damping, f"{effort}.s/{unit}", about)
+
+
+def _add_friction(builder, name, joint):
+    """Dry friction in a joint of one degree of freedom."""
+    unit = COORDINATES[joint.kind][0][2]
+    effort = "N.m" if unit == "rad" else "N"
+    friction = joint.friction
+    values = {
+        "coulomb": (friction.coulomb, effort, "effort of sliding"),
+        "static": (friction.static, effort, "effort of breaking loose"),
+        "stribeck_speed": (friction.stribeck_speed, f"{unit}/s", "speed at which the one has become the other"),
+        "viscous": (friction.viscous, f"{effort}.s/{unit}", "viscous part"),
+        "smoothing_speed": (friction.smoothing_speed, f"{unit}/s", "speed below which it is smooth"),
+    }
+    row = builder.tables["n_friction"].add(
+        friction_coordinate=builder.coordinate(name),
+        **{f"friction_{key.removesuffix('_speed')}": value for key, (value, _, _) in values.items()},
+    )
+
+    for key, (value, unit, about) in values.items():
+        array = f"friction_{key.removesuffix('_speed')}"
+        builder.add_parameters(dotted(name, "friction", key), array, row, value, unit, f"friction of {name}: {about}")
+
+
+def _add_stop(builder, name, joint):
+    """Bump stops of a joint of one degree of freedom."""
+    unit = COORDINATES[joint.kind][0][2]
+    effort = "N.m" if unit == "rad" else "N"
+    stop = joint.stop
+    values = {
+        "lower": (stop.lower_value(), unit, "lower end"),
+        "upper": (stop.upper_value(), unit, "upper end"),
+        "stiffness": (stop.stiffness, f"{effort}/{unit}", "stiffness"),
+        "damping": (stop.damping, f"{effort}.s/{unit}", "damping while in touch"),
+    }
+    row = builder.tables["n_stop"].add(
+        stop_coordinate=builder.coordinate(name), **{f"stop_{key}": value for key, (value, _, _) in values.items()}
+    )
+
+    for key, (value, unit, about) in values.items():
+        if np.isfinite(value):
+            builder.add_parameters(dotted(name, "stop", key), f"stop_{key}", row, value, unit, f"stop of {name}: {about}")
 
 
 def _add_inputs(builder, name, joint):
@@ -129,7 +195,7 @@ def _add_inputs(builder, name, joint):
         if joint.kind == "spherical":
             first, second = map(builder.marker, joint.between)
             u = builder.add_inputs(variable, (3,), unit, f"{about}, in its first marker's axes", builder.nodes_of(name))
-            builder.tables["n_wrench_input"].add(
+            builder.torque_inputs[name] = builder.tables["n_wrench_input"].add(
                 wrench_marker=second, wrench_reaction=first, wrench_axes=first, wrench_force=-1, wrench_moment=u
             )
             continue
@@ -144,6 +210,12 @@ def _add_outputs(builder, name, joint):
     nodes = builder.nodes_of(name)
 
     for output in joint.output:
+        if output in REACTIONS:
+            kind, unit, about = REACTIONS[output]
+            about = f"{about} that {name} passes on to its second marker, in its first marker's axes"
+            builder.add_outputs(dotted(name, output), kind, unit, about, nodes, builder.reaction(name))
+            continue
+
         if joint.kind in POSES:
             kind, unit, about = POSE_OUTPUTS[output]
             a, b = map(builder.marker, joint.between)

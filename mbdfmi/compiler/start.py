@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..topology import compose, inverse
+from ..topology import IDENTITY, compose, inverse
 
 
 def start_pose(builder, end):
@@ -31,6 +31,9 @@ def _joint_pose(builder, i):
 
     if node.kind == "prismatic":
         return np.array([0, 0, q[0]]), np.eye(3)
+
+    if node.kind == "fixed":
+        return IDENTITY
 
     r, E = (q[:3], q[3:7]) if node.kind == "free" else (np.zeros(3), q[:4])
     pose = (r, Rotation.from_quat(E).as_matrix())

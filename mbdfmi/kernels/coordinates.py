@@ -75,6 +75,7 @@ def add_effort(m, d, k, effort):
         d.tau[m.body_v[m.coordinate_body[k]]] += effort
         return
 
+    d.coordinate_effort[k] += effort
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
     A = markers.axes(m, d, a)

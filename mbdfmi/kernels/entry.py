@@ -5,7 +5,20 @@
 
 from numba import types
 
-from . import coordinates, dynamics, forces, integrate, joints, outputs, prepare, project, tableaux, tree
+from . import (
+    coordinates,
+    dynamics,
+    forces,
+    integrate,
+    joints,
+    outputs,
+    prepare,
+    project,
+    reactions,
+    rows,
+    tableaux,
+    tree,
+)
 from .language import inlined, kernel
 from .status import BAD_START_ORIENTATION, OK, status
 from .views import INTS, REALS, data_view, model_view
@@ -72,15 +85,21 @@ def step(m, d, H):
 def compute_outputs(m, d, y):
     """All outputs y[n_y] of the state and the inputs (their values alone) now. Returns a status."""
     failure = OK
+    needs = m.output_needs
     integrate.set_time(m, d, 0.0)
+    tree.kinematics(m, d)
 
-    if m.output_needs == 1:
-        tree.kinematics(m, d)
+    if (needs & (outputs.NEED_INERTIAS | outputs.NEED_ACCELERATIONS)) != 0:
         tree.inertias(m, d)
+
+    if (needs & outputs.NEED_ACCELERATIONS) != 0:
         forces.apply(m, d)
         failure = dynamics.accelerate(m, d)
-    else:
-        tree.kinematics(m, d)
+    elif (needs & outputs.NEED_ROWS) != 0:
+        rows.write_rows(m, d)
+
+    if (needs & outputs.NEED_REACTIONS) != 0 and failure == OK:
+        reactions.find_joint_wrenches(m, d)
 
     outputs.write_outputs(m, d, y)
     return failure

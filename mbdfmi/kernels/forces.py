@@ -6,13 +6,81 @@ All need kinematics; `apply` adds to what `inertias` began with weight.
 import math
 
 from . import algebra as al
-from . import coordinates, markers
+from . import coordinates, gravity, markers, tables
 from .language import inlined, kernel
+
+
+# springs and dampers, linear or by table
+
+
+@inlined
+def spring_effort(m, table, stiffness, rest, x):
+    """What a spring bears at x."""
+    if table >= 0:
+        return tables.evaluate(m, table, x)[0]
+
+    return stiffness * (x - rest)
+
+
+@inlined
+def stored_energy(m, table, stiffness, rest, x):
+    """Energy (J) of a spring at x, zero at `rest`."""
+    if table >= 0:
+        return tables.integral(m, table, x) - tables.integral(m, table, rest)
+
+    return 0.5 * stiffness * (x - rest) * (x - rest)
+
+
+@inlined
+def damper_effort(m, table, damping, rate):
+    """What a damper bears at a rate."""
+    if table >= 0:
+        return tables.evaluate(m, table, rate)[0]
+
+    return damping * rate
+
+
+# in joints
+
+
+@inlined
+def friction_effort(m, k, rate):
+    """Dry friction k against a rate: (coulomb + (static - coulomb) exp(-(rate / stribeck)^2)) sign + viscous rate.
+
+    The sign is smooth, tanh(rate / smoothing): at rest the joint creeps under load at up to a few times that speed.
+    """
+    fade = rate / m.friction_stribeck[k]
+    dry = m.friction_coulomb[k] + (m.friction_static[k] - m.friction_coulomb[k]) * math.exp(-fade * fade)
+    return dry * math.tanh(rate / m.friction_smoothing[k]) + m.friction_viscous[k] * rate
+
+
+@inlined
+def stop_penetration(m, k, x):
+    """How far x is beyond an end of stop k: positive beyond the upper one, negative beyond the lower one."""
+    return max(0.0, x - m.stop_upper[k]) - max(0.0, m.stop_lower[k] - x)
+
+
+@inlined
+def stop_effort(m, k, x, rate):
+    """What stop k bears: spring and damper while in touch. It pushes only."""
+    beyond = stop_penetration(m, k, x)
+    effort = m.stop_stiffness[k] * beyond + m.stop_damping[k] * rate
+
+    if beyond > 0.0:
+        return max(0.0, effort)
+
+    if beyond < 0.0:
+        return min(0.0, effort)
+
+    return 0.0
+
+
+# between markers
 
 
 @inlined
 def strut(m, d, k):
-    """Spring-damper k between two markers: (length m, direction from first to second in O, tension N).
+    """Spring-damper k between two markers: (length m, its rate m/s, direction from first to second in O, tension N).
 
     At zero length it has no direction and pulls nowhere.
     """
@@ -22,8 +90,13 @@ def strut(m, d, k):
     length = al.norm(span)
     direction = al.scale(1.0 / length if length > 0.0 else 0.0, span)
     rate = al.dot(direction, al.sub(markers.velocity(m, d, b), markers.velocity(m, d, a)))
-    tension = m.strut_stiffness[k] * (length - m.strut_rest[k]) + m.strut_damping[k] * rate
-    return length, direction, tension
+    tension = spring_effort(m, m.strut_spring_table[k], m.strut_stiffness[k], m.strut_rest[k], length)
+    tension += damper_effort(m, m.strut_damper_table[k], m.strut_damping[k], rate)
+
+    if m.strut_u[k] >= 0:
+        tension += d.input[m.strut_u[k]]
+
+    return length, rate, direction, tension
 
 
 @inlined
@@ -119,16 +192,51 @@ def linear_wrench(m, d, k):
     return al.mat_vec(A, moment), al.mat_vec(A, al.sub(force, drag))
 
 
+@inlined
+def table_vector(m, k, x):
+    """The vector of the three tables from k on, at x."""
+    return (tables.evaluate(m, k, x)[0], tables.evaluate(m, k + 1, x)[0], tables.evaluate(m, k + 2, x)[0])
+
+
+@inlined
+def load_wrench(m, d, k):
+    """Load k now: (moment N m, force N), inertial axes."""
+    force = al.vec3(m.load_force, k)
+    moment = al.vec3(m.load_moment, k)
+
+    if m.load_force_table[k] >= 0:
+        force = table_vector(m, m.load_force_table[k], d.now[0])
+
+    if m.load_moment_table[k] >= 0:
+        moment = table_vector(m, m.load_moment_table[k], d.now[0])
+
+    A = markers.axes(m, d, m.load_axes[k])
+    return al.mat_vec(A, moment), al.mat_vec(A, force)
+
+
 @kernel
 def apply(m, d):
     """Add all force elements and inputs to tau, moment and force."""
     for v in range(m.n_v):
         d.tau[v] = 0.0
 
+    for k in range(m.n_coordinate):
+        d.coordinate_effort[k] = 0.0
+
     for k in range(m.n_joint_spring):
         c = m.joint_spring_coordinate[k]
-        stretch = coordinates.value(m, d, c) - m.joint_rest[k]
-        effort = m.joint_stiffness[k] * stretch + m.joint_damping[k] * coordinates.rate(m, d, c)
+        x = coordinates.value(m, d, c)
+        effort = spring_effort(m, m.joint_spring_table[k], m.joint_stiffness[k], m.joint_rest[k], x)
+        effort += damper_effort(m, m.joint_damper_table[k], m.joint_damping[k], coordinates.rate(m, d, c))
+        coordinates.add_effort(m, d, c, -effort)
+
+    for k in range(m.n_friction):
+        c = m.friction_coordinate[k]
+        coordinates.add_effort(m, d, c, -friction_effort(m, k, coordinates.rate(m, d, c)))
+
+    for k in range(m.n_stop):
+        c = m.stop_coordinate[k]
+        effort = stop_effort(m, k, coordinates.value(m, d, c), coordinates.rate(m, d, c))
         coordinates.add_effort(m, d, c, -effort)
 
     for k in range(m.n_effort_input):
@@ -137,7 +245,7 @@ def apply(m, d):
     for k in range(m.n_strut):
         a = m.strut_from[k]
         b = m.strut_to[k]
-        length, direction, tension = strut(m, d, k)
+        length, rate, direction, tension = strut(m, d, k)
         pull = al.scale(tension, direction)
         markers.add_wrench(m, d, m.marker_body[a], markers.position(m, d, a), al.ZERO3, pull)
         markers.add_wrench(m, d, m.marker_body[b], markers.position(m, d, b), al.ZERO3, al.neg(pull))
@@ -173,20 +281,31 @@ def apply(m, d):
         if m.wrench_reaction[k] >= 0:
             markers.add_wrench(m, d, m.marker_body[m.wrench_reaction[k]], r, al.neg(moment), al.neg(force))
 
+    for k in range(m.n_load):
+        moment, force = load_wrench(m, d, k)
+        b = m.load_marker[k]
+        markers.add_wrench(m, d, m.marker_body[b], markers.position(m, d, b), moment, force)
+
+    gravity.add_central_weight(m, d)
+
 
 @kernel
 def spring_energy(m, d):
-    """Energy (J) stored in all force elements; a preload's energy is zero at zero displacement."""
+    """Energy (J) stored in springs, stops and 6x6 forces; a preload's energy is zero at zero displacement."""
     energy = 0.0
 
     for k in range(m.n_joint_spring):
-        stretch = coordinates.value(m, d, m.joint_spring_coordinate[k]) - m.joint_rest[k]
-        energy += 0.5 * m.joint_stiffness[k] * stretch * stretch
+        x = coordinates.value(m, d, m.joint_spring_coordinate[k])
+        energy += stored_energy(m, m.joint_spring_table[k], m.joint_stiffness[k], m.joint_rest[k], x)
+
+    for k in range(m.n_stop):
+        beyond = stop_penetration(m, k, coordinates.value(m, d, m.stop_coordinate[k]))
+        energy += 0.5 * m.stop_stiffness[k] * beyond * beyond
 
     for k in range(m.n_strut):
-        length, direction, tension = strut(m, d, k)
-        stretch = length - m.strut_rest[k]
-        energy += 0.5 * m.strut_stiffness[k] * stretch * stretch
+        span = al.sub(markers.position(m, d, m.strut_to[k]), markers.position(m, d, m.strut_from[k]))
+        length = al.norm(span)
+        energy += stored_energy(m, m.strut_spring_table[k], m.strut_stiffness[k], m.strut_rest[k], length)
 
     for k in range(m.n_linear):
         moved, turned, columns = linear_displacement(m, d, k)

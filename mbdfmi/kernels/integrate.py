@@ -150,7 +150,7 @@ def weigh(m, d):
 
         if kind == joints.REVOLUTE:
             d.x_scale[q] = rotation
-        elif kind != joints.PRISMATIC:
+        elif joints.E_offset(kind) >= 0:
             q += joints.E_offset(kind)
 
             for k in range(4):

@@ -11,6 +11,7 @@ REVOLUTE    angle about z of F           angular speed
 PRISMATIC   displacement along z of F    speed
 SPHERICAL   E                            angular velocity in F
 FREE        position in F, then E        velocity, angular velocity, both in F
+FIXED       none                         none
 ==========  ===========================  ====================================
 """
 
@@ -23,10 +24,11 @@ REVOLUTE = 0
 PRISMATIC = 1
 SPHERICAL = 2
 FREE = 3
+FIXED = 4  # held for good; where nothing asks for its reaction, the compiler makes one node of its two
 
-KINDS = {"revolute": REVOLUTE, "prismatic": PRISMATIC, "spherical": SPHERICAL, "free": FREE}
-N_Q = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 4, FREE: 7}
-N_V = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 3, FREE: 6}
+KINDS = {"revolute": REVOLUTE, "prismatic": PRISMATIC, "spherical": SPHERICAL, "free": FREE, "fixed": FIXED}
+N_Q = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 4, FREE: 7, FIXED: 0}
+N_V = {REVOLUTE: 1, PRISMATIC: 1, SPHERICAL: 3, FREE: 6, FIXED: 0}
 
 
 @inlined
@@ -97,6 +99,14 @@ def move(m, d, i):
         velocity = spin
         bias_r = al.cross(w_parent, spin)
 
+    elif kind == FIXED:
+        d.held[i] = 1.0
+        al.set_mat3(d.A, i, F)
+        al.set_vec3(d.w, i, w_parent)
+        al.set_vec3(d.bias_w, i, al.ZERO3)
+        velocity = al.cross(w_parent, arm)
+        bias_r = al.cross(w_parent, velocity)
+
     else:
         rd_rel = al.mat_vec(F, al.vec_at(d.x, v))
         w_rel = al.mat_vec(F, al.vec_at(d.x, v + 3))
@@ -123,6 +133,9 @@ def n_v(kind):
 
     if kind == SPHERICAL:
         return 3
+
+    if kind == FIXED:
+        return 0
 
     return 6
 
@@ -178,7 +191,7 @@ def position_rates(m, d, i):
     elif kind == SPHERICAL:
         al.set_E_at(d.x_rate, q, al.E_rate(al.E_at(d.x, q), al.vec_at(d.x, v)))
 
-    else:
+    elif kind == FREE:
         al.set_vec_at(d.x_rate, q, al.vec_at(d.x, v))
         al.set_E_at(d.x_rate, q + 3, al.E_rate(al.E_at(d.x, q + 3), al.vec_at(d.x, v + 3)))
 
@@ -204,7 +217,7 @@ def joint_E(m, d, i):
     if kind == REVOLUTE:
         return (0.0, 0.0, math.sin(0.5 * d.x[q]), math.cos(0.5 * d.x[q]))
 
-    if kind == PRISMATIC:
+    if kind == PRISMATIC or kind == FIXED:
         return (0.0, 0.0, 0.0, 1.0)
 
     return al.E_at(d.x, q + E_offset(kind))
@@ -224,6 +237,9 @@ def start(m, d, i):
     if kind == REVOLUTE or kind == PRISMATIC:
         d.x[q] = m.q_start[q]
         d.x[m.n_q + v] = m.v_start[v]
+        return True
+
+    if kind == FIXED:
         return True
 
     k = E_offset(kind)

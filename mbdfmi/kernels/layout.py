@@ -23,10 +23,14 @@ COUNTS = (
     "n_marker",
     "n_coordinate",  # joint coordinates that something refers to
     "n_joint_spring",
+    "n_friction",  # joint coordinates with dry friction
+    "n_stop",  # joint coordinates with bump stops
     "n_strut",  # spring-dampers between two markers
     "n_linear",  # 6x6 forces between two markers
     "n_wrench_input",
     "n_effort_input",
+    "n_load",  # wrenches on a marker, constant or over time
+    "n_central",  # 1: central gravity
     "n_constraint",  # joints that close loops, rolling, couplings
     "n_row",  # their scalar equations
     "n_path",  # nodes between the constraints and the ground, summed
@@ -35,10 +39,11 @@ COUNTS = (
     "n_table",  # piecewise cubic functions
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
+    "n_reaction",  # joints whose reactions go out
     "n_output",  # blocks of outputs
     "n_u",  # scalar inputs
     "n_y",  # scalar outputs
-    "output_needs",  # 1: some output needs accelerations
+    "output_needs",  # see outputs.py
     "integrator",  # see integrate.py
     "embeds",  # 1: dynamics by the joint-space mass matrix (embedding.py), 0: by articulated bodies
     "n_mass",  # elements of that matrix
@@ -72,8 +77,15 @@ ARRAYS = (
     Row("coordinate_from", "ints", 1, "n_coordinate", "first marker, of a joint that closes a loop"),
     Row("coordinate_to", "ints", 1, "n_coordinate", "second marker"),
     Row("joint_spring_coordinate", "ints", 1, "n_joint_spring", "coordinate it acts along"),
+    Row("joint_spring_table", "ints", 1, "n_joint_spring", "table of its effort over the coordinate, -1: linear"),
+    Row("joint_damper_table", "ints", 1, "n_joint_spring", "table of its effort over the rate, -1: linear"),
+    Row("friction_coordinate", "ints", 1, "n_friction", "coordinate it acts along"),
+    Row("stop_coordinate", "ints", 1, "n_stop", "coordinate it acts along"),
     Row("strut_from", "ints", 1, "n_strut", "first marker"),
     Row("strut_to", "ints", 1, "n_strut", "second marker"),
+    Row("strut_spring_table", "ints", 1, "n_strut", "table of its tension over length, -1: linear"),
+    Row("strut_damper_table", "ints", 1, "n_strut", "table of its tension over the rate of length, -1: linear"),
+    Row("strut_u", "ints", 1, "n_strut", "input that adds to its tension, -1: none"),
     Row("linear_from", "ints", 1, "n_linear", "first marker, whose axes the force is given in"),
     Row("linear_to", "ints", 1, "n_linear", "second marker, which the force acts on"),
     Row("linear_adds", "ints", 1, "n_linear", "1: has added mass"),
@@ -84,6 +96,10 @@ ARRAYS = (
     Row("wrench_moment", "ints", 1, "n_wrench_input", "first of the moment's 3 inputs, -1: none"),
     Row("effort_coordinate", "ints", 1, "n_effort_input", "coordinate it acts along"),
     Row("effort_u", "ints", 1, "n_effort_input", "input"),
+    Row("load_marker", "ints", 1, "n_load", "marker it acts on"),
+    Row("load_axes", "ints", 1, "n_load", "marker in whose axes it is given, 0: inertial"),
+    Row("load_force_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
+    Row("load_moment_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
     Row("constraint_from", "ints", 1, "n_constraint", "first marker"),
     Row("constraint_to", "ints", 1, "n_constraint", "second marker"),
     Row("constraint_row", "ints", 1, "n_constraint", "first row"),
@@ -106,6 +122,11 @@ ARRAYS = (
     Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
     Row("drive_at", "ints", 1, "n_drive", "first of its tables or inputs"),
+    Row("reaction_from", "ints", 1, "n_reaction", "first marker, whose axes it is told in"),
+    Row("reaction_to", "ints", 1, "n_reaction", "second marker, which it acts on"),
+    Row("reaction_body", "ints", 1, "n_reaction", "node on the joint's far side, -1: it closes a loop"),
+    Row("reaction_constraint", "ints", 1, "n_reaction", "constraint, where it closes a loop"),
+    Row("reaction_input", "ints", 1, "n_reaction", "wrench input that the joint bears itself, -1: none"),
     Row("output_kind", "ints", 1, "n_output", "see outputs.py"),
     Row("output_a", "ints", 1, "n_output", "what it is about: node, marker or force"),
     Row("output_b", "ints", 1, "n_output", "second marker, where there is one"),
@@ -122,15 +143,27 @@ ARRAYS = (
     Row("q_start", "reals", 1, "n_q", "position coordinates as the user gave them"),
     Row("v_start", "reals", 1, "n_v", "velocity coordinates as the user gave them"),
     Row("joint_stiffness", "reals", 1, "n_joint_spring", "N m/rad or N/m"),
-    Row("joint_rest", "reals", 1, "n_joint_spring", "rad or m"),
+    Row("joint_rest", "reals", 1, "n_joint_spring", "rad or m, where its energy is zero"),
     Row("joint_damping", "reals", 1, "n_joint_spring", "N m s/rad or N s/m"),
+    Row("friction_coulomb", "reals", 1, "n_friction", "N m or N, effort of sliding"),
+    Row("friction_static", "reals", 1, "n_friction", "N m or N, effort of breaking loose"),
+    Row("friction_stribeck", "reals", 1, "n_friction", "rad/s or m/s, speed of the fall from one to the other"),
+    Row("friction_viscous", "reals", 1, "n_friction", "N m s/rad or N s/m"),
+    Row("friction_smoothing", "reals", 1, "n_friction", "rad/s or m/s, speed below which the sign of the rate is smooth"),
+    Row("stop_lower", "reals", 1, "n_stop", "rad or m, -inf: none"),
+    Row("stop_upper", "reals", 1, "n_stop", "rad or m, inf: none"),
+    Row("stop_stiffness", "reals", 1, "n_stop", "N m/rad or N/m"),
+    Row("stop_damping", "reals", 1, "n_stop", "N m s/rad or N s/m, while in touch"),
     Row("strut_stiffness", "reals", 1, "n_strut", "N/m"),
     Row("strut_damping", "reals", 1, "n_strut", "N s/m"),
-    Row("strut_rest", "reals", 1, "n_strut", "m, length without force"),
+    Row("strut_rest", "reals", 1, "n_strut", "m, length at which its energy is zero; without force where it is linear"),
     Row("linear_stiffness", "reals", 36, "n_linear", "6x6 by rows (x, y, z, rx, ry, rz)"),
     Row("linear_damping", "reals", 36, "n_linear", "6x6 by rows"),
     Row("linear_added", "reals", 36, "n_linear", "6x6 by rows, in the second marker's axes"),
     Row("linear_preload", "reals", 6, "n_linear", "N, N m"),
+    Row("load_force", "reals", 3, "n_load", "N"),
+    Row("load_moment", "reals", 3, "n_load", "N m"),
+    Row("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
     Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
@@ -162,6 +195,7 @@ ARRAYS = (
     Row("now", "work", 1, 1, "s, time of the evaluation"),
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
+    Row("coordinate_effort", "work", 1, "n_coordinate", "effort along a coordinate that closes a loop"),
     Row("x_rate", "work", 1, "n_x", "x'; its last n_v entries are the accelerations v'"),
     # work: kinematics of the nodes
     Row("r", "work", 3, "n_body", "m, origin from O"),

@@ -3,9 +3,11 @@
 The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quantities are relative to marker 0.
 """
 
+import math
+
 from . import algebra as al
-from . import coordinates, forces, markers, tree
-from .language import kernel
+from . import coordinates, forces, gravity, markers, reactions, tree
+from .language import inlined, kernel
 
 # of joint coordinate a
 COORDINATE = 0
@@ -18,25 +20,141 @@ EULER_PARAMETERS = 5
 ZYX = 6
 OMEGA = 7
 ALPHA = 8
+LINEAR_ACCELERATION = 9
 # of marker b relative to a, in b's own axes
-VELOCITY_BODY = 9
-OMEGA_BODY = 10
-# of force a
-STRUT_LENGTH = 11
-STRUT_FORCE = 12
+VELOCITY_BODY = 10
+OMEGA_BODY = 11
+ALPHA_BODY = 12
+LINEAR_ACCELERATION_BODY = 13
+# of markers a and b
+DISTANCE = 14
+DISTANCE_RATE = 15
+Z_ANGLE = 16
+# of strut a
+STRUT_LENGTH = 17
+STRUT_RATE = 18
+STRUT_FORCE = 19
+# of reaction a
+REACTION_FORCE = 20
+REACTION_MOMENT = 21
+# of row a
+MULTIPLIER = 22
 # of the whole scene
-KINETIC_ENERGY = 13
-POTENTIAL_ENERGY = 14
-TOTAL_ENERGY = 15
+CONSTRAINT_GAP = 23
+CONSTRAINT_RATE = 24
+KINETIC_ENERGY = 25
+POTENTIAL_ENERGY = 26
+TOTAL_ENERGY = 27
+GRAVITY_ENERGY = 28
+SPRING_ENERGY = 29
+LINEAR_MOMENTUM = 30
+ANGULAR_MOMENTUM = 31
+CENTER_OF_MASS = 32
 
-WIDTH = {EULER_PARAMETERS: 4}
-WIDTH |= {kind: 3 for kind in (POSITION, VELOCITY, ZYX, OMEGA, ALPHA, VELOCITY_BODY, OMEGA_BODY)}
-ACCELERATES = {ACCELERATION, ALPHA}
+VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
+VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
+VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS}
+WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
+
+# what they need beside kinematics: bits of `output_needs`
+NEED_INERTIAS = 1
+NEED_ROWS = 2
+NEED_ACCELERATIONS = 4
+NEED_REACTIONS = 8
+
+REACTS = {REACTION_FORCE, REACTION_MOMENT}
+ACCELERATES = {ACCELERATION, ALPHA, LINEAR_ACCELERATION, ALPHA_BODY, LINEAR_ACCELERATION_BODY, MULTIPLIER} | REACTS
+NEEDS = {
+    NEED_INERTIAS: {
+        KINETIC_ENERGY,
+        POTENTIAL_ENERGY,
+        TOTAL_ENERGY,
+        GRAVITY_ENERGY,
+        LINEAR_MOMENTUM,
+        ANGULAR_MOMENTUM,
+        CENTER_OF_MASS,
+    },
+    NEED_ROWS: {CONSTRAINT_GAP, CONSTRAINT_RATE},
+    NEED_ACCELERATIONS: ACCELERATES,
+    NEED_REACTIONS: REACTS,
+}
+
+
+def needs(kinds) -> int:
+    """`output_needs` of some kinds."""
+    return sum(bit for bit, some in NEEDS.items() if not some.isdisjoint(kinds))
+
+
+@inlined
+def largest(p, n):
+    """Largest magnitude among p[:n]."""
+    size = 0.0
+
+    for k in range(n):
+        size = max(size, abs(p[k]))
+
+    return size
+
+
+@inlined
+def in_own_axes(m, d, a, b, v):
+    """A vector in a's axes, in b's."""
+    return al.matT_vec(markers.relative_axes(m, d, a, b), v)
+
+
+@inlined
+def distance_rate(m, d, a, b):
+    """Rate of the distance between two markers' origins (m/s), 0 at zero distance."""
+    span = markers.relative_position(m, d, a, b)
+    length = al.norm(span)
+    return al.dot(span, markers.relative_velocity(m, d, a, b)) / length if length > 0.0 else 0.0
+
+
+@inlined
+def z_angle(m, d, a, b):
+    """Angle between two markers' z axes (rad), 0 to pi."""
+    A = markers.relative_axes(m, d, a, b)
+    return math.atan2(math.sqrt(A[0][2] * A[0][2] + A[1][2] * A[1][2]), A[2][2])
+
+
+@kernel
+def write_scene_output(m, d, kind, at, y):
+    """An output of the whole scene into y from `at` on."""
+    if kind == CONSTRAINT_GAP:
+        y[at] = largest(d.row_gap, m.n_row)
+
+    elif kind == CONSTRAINT_RATE:
+        y[at] = largest(d.row_rate, m.n_row)
+
+    elif kind == LINEAR_MOMENTUM:
+        _, linear = tree.total_momentum(m, d)
+        al.set_vec_at(y, at, linear)
+
+    elif kind == ANGULAR_MOMENTUM:
+        angular, _ = tree.total_momentum(m, d)
+        al.set_vec_at(y, at, angular)
+
+    elif kind == CENTER_OF_MASS:
+        al.set_vec_at(y, at, tree.center_of_mass(m, d))
+
+    else:
+        energy = 0.0
+
+        if kind == KINETIC_ENERGY or kind == TOTAL_ENERGY:
+            energy += tree.kinetic_energy(m, d)
+
+        if kind != KINETIC_ENERGY and kind != SPRING_ENERGY:
+            energy += tree.gravity_energy(m, d) + gravity.central_energy(m, d)
+
+        if kind != KINETIC_ENERGY and kind != GRAVITY_ENERGY:
+            energy += forces.spring_energy(m, d)
+
+        y[at] = energy
 
 
 @kernel
 def write_outputs(m, d, y):
-    """All outputs into y[n_y]. Needs kinematics and, where an output is an acceleration, aba."""
+    """All outputs into y[n_y]. Needs kinematics, and what `output_needs` says."""
     for k in range(m.n_output):
         kind = m.output_kind[k]
         a = m.output_a[k]
@@ -71,26 +189,40 @@ def write_outputs(m, d, y):
         elif kind == ALPHA:
             al.set_vec_at(y, at, markers.relative_angular_acceleration(m, d, a, b))
 
+        elif kind == LINEAR_ACCELERATION:
+            al.set_vec_at(y, at, markers.relative_acceleration(m, d, a, b))
+
         elif kind == VELOCITY_BODY:
-            seen = markers.relative_velocity(m, d, a, b)
-            al.set_vec_at(y, at, al.matT_vec(markers.relative_axes(m, d, a, b), seen))
+            al.set_vec_at(y, at, in_own_axes(m, d, a, b, markers.relative_velocity(m, d, a, b)))
 
         elif kind == OMEGA_BODY:
-            seen = markers.relative_angular_velocity(m, d, a, b)
-            al.set_vec_at(y, at, al.matT_vec(markers.relative_axes(m, d, a, b), seen))
+            al.set_vec_at(y, at, in_own_axes(m, d, a, b, markers.relative_angular_velocity(m, d, a, b)))
 
-        elif kind == STRUT_LENGTH or kind == STRUT_FORCE:
-            length, direction, tension = forces.strut(m, d, a)
-            y[at] = length if kind == STRUT_LENGTH else tension
+        elif kind == ALPHA_BODY:
+            al.set_vec_at(y, at, in_own_axes(m, d, a, b, markers.relative_angular_acceleration(m, d, a, b)))
+
+        elif kind == LINEAR_ACCELERATION_BODY:
+            al.set_vec_at(y, at, in_own_axes(m, d, a, b, markers.relative_acceleration(m, d, a, b)))
+
+        elif kind == DISTANCE:
+            y[at] = al.norm(markers.relative_position(m, d, a, b))
+
+        elif kind == DISTANCE_RATE:
+            y[at] = distance_rate(m, d, a, b)
+
+        elif kind == Z_ANGLE:
+            y[at] = z_angle(m, d, a, b)
+
+        elif kind == STRUT_LENGTH or kind == STRUT_RATE or kind == STRUT_FORCE:
+            length, rate, direction, tension = forces.strut(m, d, a)
+            y[at] = length if kind == STRUT_LENGTH else (rate if kind == STRUT_RATE else tension)
+
+        elif kind == REACTION_FORCE or kind == REACTION_MOMENT:
+            moment, force = reactions.reaction(m, d, a)
+            al.set_vec_at(y, at, force if kind == REACTION_FORCE else moment)
+
+        elif kind == MULTIPLIER:
+            y[at] = d.multiplier[a]
 
         else:
-            tree.inertias(m, d)
-            kinetic = tree.kinetic_energy(m, d)
-            potential = tree.gravity_energy(m, d) + forces.spring_energy(m, d)
-
-            if kind == KINETIC_ENERGY:
-                y[at] = kinetic
-            elif kind == POTENTIAL_ENERGY:
-                y[at] = potential
-            else:
-                y[at] = kinetic + potential
+            write_scene_output(m, d, kind, at, y)

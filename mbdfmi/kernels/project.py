@@ -46,6 +46,10 @@ def move_by_change(m, d, factor):
             al.set_vec_at(d.x, q, moved)
 
         k = joints.E_offset(kind)
+
+        if k < 0:
+            continue
+
         E = al.E_at(d.x, q + k)
         turn = al.scale(factor, al.vec_at(d.change, v + k))
         rate = al.E_rate(E, turn)
@@ -154,7 +158,7 @@ def hold(m, d, what):
     """Joints with a drive are held, and those whose start values are given for `what` (1 position, 2 velocity)."""
     for i in range(1, m.n_body):
         given = (m.body_given[i] // what) % 2 == 1
-        d.held[i] = 1.0 if given or m.body_drive[i] >= 0 else 0.0
+        d.held[i] = 1.0 if given or m.body_drive[i] >= 0 or m.body_joint[i] == joints.FIXED else 0.0
 
 
 @inlined

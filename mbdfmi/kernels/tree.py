@@ -359,18 +359,14 @@ def accelerations(m, d):
 
 
 @kernel
-def rnea(m, d, tau):
-    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
+def joint_wrenches(m, d):
+    """Wrench on every body through the joint to its parent, about the body's origin, into bias_moment and bias_force.
 
-    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
+    What the accelerations alpha and rdd of all bodies need beside the applied wrenches; needs inertias.
     """
-    accelerations(m, d)
-
     for i in range(1, m.n_body):
         alpha = al.vec3(d.alpha, i)
         rdd = al.vec3(d.rdd, i)
-
-        # what the body needs beyond what is applied to it
         I, H, M = inertia_blocks(m, d, i)
         moment = al.add(al.sym_vec(I, alpha), al.mat_vec(H, rdd))
         force = al.add(al.matT_vec(H, alpha), al.sym_vec(M, rdd))
@@ -378,15 +374,25 @@ def rnea(m, d, tau):
         al.add_vec3(d.bias_force, i, al.sub(force, al.vec3(d.force, i)))
 
     for i in range(m.n_body - 1, 0, -1):
-        moment = al.vec3(d.bias_moment, i)
-        force = al.vec3(d.bias_force, i)
+        if m.body_parent[i] > 0:
+            moment = al.vec3(d.bias_moment, i)
+            add_shifted_wrench(d, m.body_parent[i], al.vec3(d.arm, i), moment, al.vec3(d.bias_force, i))
 
+
+@kernel
+def rnea(m, d, tau):
+    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
+
+    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
+    """
+    accelerations(m, d)
+    joint_wrenches(m, d)
+
+    for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i])):
             S_w, S_r = joints.subspace(m, d, i, k)
-            tau[m.body_v[i] + k] = al.dot(S_w, moment) + al.dot(S_r, force)
-
-        if m.body_parent[i] > 0:
-            add_shifted_wrench(d, m.body_parent[i], al.vec3(d.arm, i), moment, force)
+            power = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
+            tau[m.body_v[i] + k] = power
 
 
 @kernel
@@ -449,3 +455,30 @@ def gravity_energy(m, d):
         energy -= d.body_m[i] * al.dot(g, al.vec3(d.r, i)) + al.dot(g, al.vec3(d.h, i))
 
     return energy
+
+
+@kernel
+def total_momentum(m, d):
+    """(angular about O's origin, linear) momentum of all bodies that move, added mass included."""
+    angular = al.ZERO3
+    linear = al.ZERO3
+
+    for i in range(1, m.n_body):
+        L, p = momentum(m, d, i)
+        angular = al.add(angular, al.add(L, al.cross(al.vec3(d.r, i), p)))
+        linear = al.add(linear, p)
+
+    return angular, linear
+
+
+@kernel
+def center_of_mass(m, d):
+    """Centre of mass (m, in O) of all bodies that move."""
+    mass = 0.0
+    moment = al.ZERO3
+
+    for i in range(1, m.n_body):
+        mass += d.body_m[i]
+        moment = al.add(moment, al.axpy(d.body_m[i], al.vec3(d.r, i), al.vec3(d.h, i)))
+
+    return al.scale(1.0 / mass, moment)

@@ -1,0 +1,37 @@
+"""Central gravity: weight towards the origin of O, -mu r / |r|^3 per mass, at each solid's centre of mass."""
+
+from . import algebra as al
+from . import markers
+from .language import inlined
+
+
+@inlined
+def solid_com(m, d, k):
+    """Centre of mass of solid k (m, in O)."""
+    i = m.solid_body[k]
+    com = al.add(al.vec3(m.solid_r, k), al.mat_vec(al.mat3(m.solid_A, k), al.vec3(m.solid_com, k)))
+    return al.add(al.vec3(d.r, i), al.mat_vec(al.mat3(d.A, i), com))
+
+
+@inlined
+def add_central_weight(m, d):
+    """Add it to the applied wrenches."""
+    for c in range(m.n_central):
+        for k in range(m.n_solid):
+            r = solid_com(m, d, k)
+            distance = al.norm(r)
+            weight = al.scale(-m.central_mu[c] * m.solid_mass[k] / (distance * distance * distance), r)
+            markers.add_wrench(m, d, m.solid_body[k], r, al.ZERO3, weight)
+
+
+@inlined
+def central_energy(m, d):
+    """Its potential energy (J), zero at infinity; of the bodies that move."""
+    energy = 0.0
+
+    for c in range(m.n_central):
+        for k in range(m.n_solid):
+            if m.solid_body[k] > 0:
+                energy -= m.central_mu[c] * m.solid_mass[k] / al.norm(solid_com(m, d, k))
+
+    return energy

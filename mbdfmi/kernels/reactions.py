@@ -1,0 +1,97 @@
+"""Reactions: the wrench that a joint passes on to its second marker's body.
+
+It is all that the bodies of the joint exert on each other through it: what keeps it together and what acts in it (spring,
+damper, friction, stop, input, drive, coupling), so that Newton's and Euler's equations of a body hold with the
+reactions of its joints and the loads beside them. For a joint of the tree it is what the bodies behind it need beyond what
+is applied to them; for one that closes a loop, its rows' wrenches times their multipliers.
+"""
+
+from . import algebra as al
+from . import coordinates, forces, markers, tree
+from .language import inlined, kernel
+
+
+@kernel
+def find_joint_wrenches(m, d):
+    """`tree.joint_wrenches` with the constraints' wrenches; needs accelerations and multipliers."""
+    tree.inertias(m, d)
+    forces.apply(m, d)
+
+    for row in range(m.n_row):
+        c = m.row_constraint[row]
+        a = m.marker_body[m.constraint_from[c]]
+        b = m.marker_body[m.constraint_to[c]]
+        factor = d.multiplier[row]
+        al.add_vec3(d.moment, a, al.scale(factor, al.vec3(d.row_moment_from, row)))
+        al.add_vec3(d.force, a, al.scale(factor, al.vec3(d.row_force_from, row)))
+        al.add_vec3(d.moment, b, al.scale(factor, al.vec3(d.row_moment_to, row)))
+        al.add_vec3(d.force, b, al.scale(factor, al.vec3(d.row_force_to, row)))
+
+    tree.joint_wrenches(m, d)
+
+
+@inlined
+def loop_wrench(m, d, c):
+    """Wrench of constraint c on its second marker's body: (moment about the marker's origin, force), inertial axes."""
+    a = m.constraint_from[c]
+    b = m.constraint_to[c]
+    moment = al.ZERO3
+    force = al.ZERO3
+
+    for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+        moment = al.axpy(d.multiplier[row], al.vec3(d.row_moment_to, row), moment)
+        force = al.axpy(d.multiplier[row], al.vec3(d.row_force_to, row), force)
+
+    moment = al.sub(moment, al.cross(markers.arm(m, d, b), force))
+
+    # what acts in the joint
+    for k in range(m.n_coordinate):
+        if m.coordinate_kind[k] == coordinates.IN_TREE:
+            continue
+
+        if m.coordinate_from[k] == a and m.coordinate_to[k] == b:
+            A = markers.axes(m, d, a)
+            along = al.scale(d.coordinate_effort[k], (A[0][2], A[1][2], A[2][2]))
+
+            if m.coordinate_kind[k] == coordinates.SLIDE:
+                force = al.add(force, along)
+            else:
+                moment = al.add(moment, along)
+
+    return moment, force
+
+
+@inlined
+def tree_wrench(m, d, i, b):
+    """Wrench on body i through the joint to its parent: (moment about marker b's origin, force), inertial axes."""
+    force = al.vec3(d.bias_force, i)
+    lever = al.sub(al.vec3(d.r, i), markers.position(m, d, b))
+    return al.add(al.vec3(d.bias_moment, i), al.cross(lever, force)), force
+
+
+@inlined
+def reaction(m, d, k):
+    """Reaction k on its joint's second marker: (moment about the marker's origin N m, force N), in the first marker's axes.
+
+    Needs find_joint_wrenches.
+    """
+    a = m.reaction_from[k]
+    b = m.reaction_to[k]
+    i = m.reaction_body[k]
+    A = markers.axes(m, d, a)
+
+    if i >= 0:
+        moment, force = tree_wrench(m, d, i, b)
+
+        if m.body_reversed[i] == 1:
+            moment = al.neg(moment)
+            force = al.neg(force)
+    else:
+        moment, force = loop_wrench(m, d, m.reaction_constraint[k])
+
+    moment = al.matT_vec(A, moment)
+
+    if m.reaction_input[k] >= 0:
+        moment = al.add(moment, al.vec_at(d.input, m.wrench_moment[m.reaction_input[k]]))
+
+    return moment, al.matT_vec(A, force)
