@@ -13,6 +13,8 @@ from .compiler.absolute import add_absolute_starts, start_motion
 from .compiler.bodies import add_bodies, add_markers, add_measures, add_scene_outputs, add_settings
 from .compiler.builder import Builder
 from .compiler.constraints import add_constraints
+from .compiler.contacts import add_contacts
+from .compiler.drives import add_drives
 from .compiler.forces import add_forces
 from .compiler.joints import add_joints
 from .compiler.reactions import add_reactions
@@ -77,7 +79,9 @@ def _compile(scene, tree, formulation, motion=None):
     """The model on a tree; `motion`: start values of absolute coordinates."""
     builder = Builder(scene, tree, formulation == "embedding")
     add_settings(builder)
+    add_drives(builder)
     add_bodies(builder)
+    add_contacts(builder)
     add_joints(builder)
 
     if motion:
@@ -100,7 +104,8 @@ def _assemble(builder):
     counts |= {
         "n_q": builder.n_q,
         "n_v": builder.n_v,
-        "n_x": builder.n_q + builder.n_v,
+        "n_x": builder.n_q + builder.n_v + len(builder.single["s_start"]),
+        "n_s": len(builder.single["s_start"]),
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
         "output_needs": outputs.needs([kind for _, _, kind, _ in builder.outputs]),

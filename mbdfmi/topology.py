@@ -181,10 +181,11 @@ FREEDOMS = {
 
 def _preference(joint):
     """Sorts joints for the tree: those with something of their own, then few freedoms, then the file's order."""
-    own = joint.spring or joint.damper or joint.friction or joint.stop or joint.driver or joint.input
+    own = joint.spring or joint.damper or joint.friction or joint.stop or joint.input
     own = own or any(not name.startswith("reaction") for name in joint.output) or "start" in joint.model_fields_set
+    driven = joint.driver is not None
     freedoms = FREEDOMS[joint.kind]
-    return (freedoms == 6, freedoms > 0 and not own, freedoms)
+    return (not driven, freedoms == 6, freedoms > 0 and not own, freedoms)
 
 
 def chain(joint):
@@ -196,7 +197,7 @@ def chain(joint):
         return [("revolute", axis) for axis in joint.axes]
 
     if joint.kind == "planar":
-        x, y, normal = axes_with_z(joint.axis).T
+        x, y, normal = joint.axes.T
         return [("prismatic", x), ("prismatic", y), ("revolute", normal)]
 
     if joint.kind == "translation":

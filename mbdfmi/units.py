@@ -26,6 +26,7 @@ _RPM = 9.549296585513721  # 1/min per rad/s
 UNITS: dict[str, Unit] = {
     "1": Unit(),
     "s": Unit(s=1),
+    "1/s": Unit(s=-1),
     "kg": Unit(kg=1),
     "kg.m": Unit(kg=1, m=1),
     "kg.m2": Unit(kg=1, m=2),

@@ -88,7 +88,7 @@ def add_bodies(builder):
             body_v=builder.v[i],
             body_reversed=node.reversed,
             body_given=_given(builder, node),
-            body_drive=-1,
+            body_drive=builder.drive_of.get(i, -1),
             body_r=r,
             body_A=A,
         )
@@ -186,5 +186,5 @@ def _add_multipliers(builder):
         c, kind = int(columns["row_constraint"][row][0]), int(columns["row_kind"][row][0])
         unit = {rows.DOT: "N.m", rows.COUPLING: None}.get(kind, "N")
         about = f"multiplier of a row of {builder.constraint_names[c]}"
-        nodes = builder.constraint_nodes(c)
+        nodes = builder.constraint_nodes[c]
         builder.add_outputs(f"multipliers[{row + 1}]", outputs.MULTIPLIER, unit, about, nodes, row)

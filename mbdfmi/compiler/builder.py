@@ -32,7 +32,8 @@ class Builder:
     joint_nodes : joint -> its nodes, in the order of the joint's own coordinates.
     embeds : dynamics by the joint-space mass matrix.
     single : arrays that belong to no table, by name; counts : numbers that are no table's length.
-    constraint_names : joints or couplings in the order of the constraints.
+    drive_of : node -> its drive; driven_cuts : joint outside the tree -> its drive.
+    constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     """
 
@@ -48,6 +49,9 @@ class Builder:
         self.single = {}
         self.counts = {}
         self.constraint_names = []
+        self.constraint_nodes = []
+        self.drive_of = {}
+        self.driven_cuts = {}
         self.reactions = []
         self.torque_inputs = {}
         self._markers = {}
@@ -155,13 +159,18 @@ class Builder:
 
     # variables
 
-    def add_inputs(self, name, shape, unit, description, nodes):
-        """Inputs that act on `nodes`; returns the first's position in u."""
-        first = len(self.inputs)
+    def add_inputs(self, name, shape, unit, description, nodes, moves=False, start=0.0):
+        """Inputs that act on `nodes`; returns the first's position in u.
 
-        for k, ending in enumerate(subscripts(shape)):
-            variable = (name + ending, "input", "continuous", 0.0, unit, description, first + k)
-            self.inputs.append((variable, set(nodes) - {0}))
+        moves : they prescribe a motion, so that positions and velocities follow them at once.
+        start : one value, or one for each element.
+        """
+        first = len(self.inputs)
+        endings = subscripts(shape)
+
+        for k, (ending, value) in enumerate(zip(endings, np.broadcast_to(start, len(endings)))):
+            variable = (name + ending, "input", "continuous", float(value), unit, description, first + k)
+            self.inputs.append((variable, set(nodes) - {0}, moves))
 
         return first
 
@@ -175,18 +184,21 @@ class Builder:
             variable = (name + ending, "output", "continuous", None, unit, description, first + k)
             self.outputs.append((variable, set(nodes) - {0}, kind, fed_by))
 
-    def add_parameters(self, name, array, row, values, unit, description, variability="tunable"):
-        """Parameters that stand from row `row` of an array of `reals` on; units by element or one for all."""
+    def add_parameters(self, name, array, row, values, unit, description, variability="tunable", offset=0):
+        """Parameters that stand from element `offset` of row `row` of an array of `reals` on.
+
+        Units by element or one for all.
+        """
         values = np.asarray(values, float)
         units = unit if isinstance(unit, list) else [unit] * values.size
 
         for k, (ending, value) in enumerate(zip(subscripts(values.shape), values.ravel())):
-            place = (array, row * layout.ROW[array].width + k)
+            place = (array, row * layout.ROW[array].width + offset + k)
             self.parameters.append((name + ending, variability, float(value), units[k], description, place))
 
     def list_variables(self, offset):
         """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
-        inputs = [Variable(*fields) for fields, _ in self.inputs]
+        inputs = [Variable(*fields) for fields, _, _ in self.inputs]
         first = len(inputs) + len(self.outputs)
         parameters = [
             Variable(name, "parameter", variability, start, unit, about, offset[array] + k)
@@ -196,12 +208,14 @@ class Builder:
         results = []
 
         for fields, nodes, kind, fed_by in self.outputs:
-            depends = tuple(fed_by)
+            here = {island[i] for i in nodes}
 
-            # only accelerations and reactions feel inputs at once, and only those that act on the same island
-            if kind in outputs.ACCELERATES:
-                here = {island[i] for i in nodes}
-                depends = tuple(k for k, (_, at) in enumerate(self.inputs) if here & {island[i] for i in at})
+            # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it
+            depends = tuple(
+                k
+                for k, (_, at, moves) in enumerate(self.inputs)
+                if k in fed_by or here & {island[i] for i in at} and (moves or kind in outputs.ACCELERATES)
+            )
 
             initial = (*depends, *range(first, first + len(parameters)))
             results.append(Variable(*fields, depends=depends, initial_depends=initial))
@@ -219,7 +233,7 @@ class Builder:
             return i
 
         links = [(i, node.parent) for i, node in enumerate(self.nodes)]
-        links += [self.constraint_nodes(c) for c in range(self.tables["n_constraint"].length)]
+        links += [pair for nodes in self.constraint_nodes for pair in zip(nodes, nodes[1:])]
 
         for i, j in links:
             if i > 0 and j > 0:
@@ -227,8 +241,6 @@ class Builder:
 
         return [find(i) for i in range(len(self.nodes))]
 
-    def constraint_nodes(self, c):
-        """The two nodes that constraint c acts on."""
-        columns = self.tables["n_constraint"].columns
-        bodies = self.tables["n_marker"].columns["marker_body"]
-        return tuple(int(bodies[int(columns[name][c][0])][0]) for name in ("constraint_from", "constraint_to"))
+    def marker_node(self, k):
+        """Node of marker k."""
+        return int(self.tables["n_marker"].columns["marker_body"][k][0])

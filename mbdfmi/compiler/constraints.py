@@ -4,9 +4,10 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..kernels import rows
+from ..kernels import contacts, rows
 from ..kernels.joints import KINDS, N_V
 from ..topology import axes_with_z
+from .drives import coupling_constraints, drive_constraints
 from .start import start_pose
 
 ALIGNED = [(rows.DOT, 0, 2), (rows.DOT, 1, 2)]  # z of both markers parallel
@@ -37,8 +38,8 @@ ROWS = {
 def add_constraints(builder):
     """All constraints of the scene, and the arrays that their factor needs."""
     constraints = [_joint_constraint(builder, name) for name in builder.tree.cuts]
+    constraints += drive_constraints(builder) + coupling_constraints(builder)
     constraints = [c for c in constraints if c["rows"]]
-    builder.constraint_names = [c["name"] for c in constraints]
 
     if not constraints:
         return
@@ -49,6 +50,7 @@ def add_constraints(builder):
     order = _narrow_order(path)
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c["name"] for c in constraints]
+    builder.constraint_nodes = [c["nodes"] for c in constraints]
     _add_tables(builder, constraints, [path[k] for k in order])
 
 
@@ -65,15 +67,32 @@ def _joint_constraint(builder, name):
 
     return dict(
         name=name,
-        markers=[builder.joint_marker(name, side, turn) for side, turn in enumerate(_turns(joint))],
+        markers=[builder.joint_marker(name, side, turn) for side, turn in enumerate(_turns(joint))] + [-1, -1],
         nodes=builder.nodes_of(name),
-        rows=ROWS[joint.kind],
+        rows=_rows(builder, name, joint),
         value=(value, 0.0),
+        offset=0.0,
+        drive=-1,
     )
 
 
+def _rows(builder, name, joint):
+    """Rows of a joint; of an end frame on a curve two, of one on a surface and of two curves one."""
+    if name in builder.contacts:
+        count = 2 if joint.kind == "point_on_curve" else 1
+        return [(rows.CONTACT, i, builder.contacts[name]) for i in range(count)]
+
+    return ROWS[joint.kind]
+
+
 def _turns(joint):
-    """Rotation matrices that bring the z axes of a joint's two markers to the axes that its rows are about."""
+    """Rotation matrices that bring the z axes of a joint's two markers to the axes that its rows are about.
+
+    Curves and surfaces stay in their markers' own axes.
+    """
+    if joint.kind in contacts.KINDS:
+        return [np.eye(3)] * 2
+
     if joint.kind == "universal":
         return [axes_with_z(axis) for axis in joint.axes]
 
@@ -111,6 +130,8 @@ def _add_tables(builder, constraints, paths):
         builder.tables["n_constraint"].add(
             constraint_from=constraint["markers"][0],
             constraint_to=constraint["markers"][1],
+            constraint_from_2=constraint["markers"][2],
+            constraint_to_2=constraint["markers"][3],
             constraint_row=row,
             constraint_rows=len(constraint["rows"]),
             constraint_path=builder.tables["n_path"].length,
@@ -133,7 +154,8 @@ def _add_tables(builder, constraints, paths):
                 row_first=first_row[meets],
                 row_envelope=envelope,
                 row_value=constraint["value"],
-                row_offset=0.0,
+                row_offset=constraint["offset"],
+                row_drive=constraint["drive"],
             )
             envelope += row - first_row[meets]
             reach += width

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..kernels import outputs
 from ..variables import dotted
+from .contacts import add_contact_outputs
 from .elastic import elastic_table
 
 # what the scalar coordinates of a joint are: names of a coordinate and its rate, its unit; several of one name are an array
@@ -210,6 +211,10 @@ def _add_outputs(builder, name, joint):
     nodes = builder.nodes_of(name)
 
     for output in joint.output:
+        if output in ("s", "s_rate"):
+            add_contact_outputs(builder, name, joint, output)
+            continue
+
         if output in REACTIONS:
             kind, unit, about = REACTIONS[output]
             about = f"{about} that {name} passes on to its second marker, in its first marker's axes"

@@ -21,6 +21,14 @@ def start_pose(builder, end):
     return pose
 
 
+def start_coordinate(builder, joint):
+    """The first scalar coordinate of a joint at the start (rad or m), as far as start values tell."""
+    if joint in builder.joint_nodes:
+        return builder.single["q_start"][builder.q[builder.joint_nodes[joint][0]]]
+
+    return float(builder.scene.joint[joint].start_position()[0])
+
+
 def _joint_pose(builder, i):
     """Pose of a node in its joint frame at its start values."""
     node = builder.nodes[i]

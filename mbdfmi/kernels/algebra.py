@@ -278,6 +278,16 @@ def E_rate(E, w):
 
 
 @inlined
+def B_times(E, F):
+    """B(E) F, with B of theory section "Euler Parameter Matrices"; the angular velocity of E is 2 B E'."""
+    return (
+        E[3] * F[0] - E[2] * F[1] + E[1] * F[2] - E[0] * F[3],
+        E[2] * F[0] + E[3] * F[1] - E[0] * F[2] - E[1] * F[3],
+        -E[1] * F[0] + E[0] * F[1] + E[3] * F[2] - E[2] * F[3],
+    )
+
+
+@inlined
 def matrix_E(A):
     """Euler parameters (unit length, E4 >= 0 where it is not the smallest) of a rotation matrix.
 

@@ -10,7 +10,7 @@ diagonal: they follow from rows before them.
 import math
 
 from . import algebra as al
-from . import joints, rows
+from . import coordinates, joints, rows
 from .language import inlined, kernel
 
 # a row is dropped when what it adds to the rows before it is this small beside the largest row of its kind in the same
@@ -111,17 +111,17 @@ def reach_rows(m, d):
             al.add_vec3(d.passed_moment, body_b, al.vec3(d.row_moment_to, row))
             al.add_vec3(d.passed_force, body_b, al.vec3(d.row_force_to, row))
 
+            if m.constraint_from_2[c] >= 0:
+                body_a2 = m.marker_body[m.constraint_from_2[c]]
+                body_b2 = m.marker_body[m.constraint_to_2[c]]
+                al.add_vec3(d.passed_moment, body_a2, al.vec3(d.row_moment_from_2, row))
+                al.add_vec3(d.passed_force, body_a2, al.vec3(d.row_force_from_2, row))
+                al.add_vec3(d.passed_moment, body_b2, al.vec3(d.row_moment_to_2, row))
+                al.add_vec3(d.passed_force, body_b2, al.vec3(d.row_force_to_2, row))
+
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
-                coefficient = 0.0
-
-                if m.row_kind[row] == rows.COUPLING:
-                    if i == m.row_i[row]:
-                        coefficient = m.row_value[2 * row]
-                    elif i == m.row_j[row]:
-                        coefficient = m.row_value[2 * row + 1]
-
-                pass_joint(m, d, row, i, at + m.path_at[step], coefficient)
+                pass_joint(m, d, row, i, at + m.path_at[step], rows.effort_on(m, row, i))
 
 
 @inlined
@@ -312,14 +312,6 @@ def respond(m, d):
 @inlined
 def row_acceleration(m, d, row):
     """g'' of a row by the bodies' accelerations and its bias."""
-    if m.row_kind[row] == rows.COUPLING:
-        total = m.row_value[2 * row] * d.x_rate[m.n_q + m.body_v[m.row_i[row]]]
-
-        if m.row_j[row] >= 0:
-            total += m.row_value[2 * row + 1] * d.x_rate[m.n_q + m.body_v[m.row_j[row]]]
-
-        return total
-
     c = m.row_constraint[row]
     a = m.marker_body[m.constraint_from[c]]
     b = m.marker_body[m.constraint_to[c]]
@@ -328,6 +320,33 @@ def row_acceleration(m, d, row):
     total += al.dot(al.vec3(d.row_force_from, row), al.vec3(d.rdd, a))
     total += al.dot(al.vec3(d.row_moment_to, row), al.vec3(d.alpha, b))
     total += al.dot(al.vec3(d.row_force_to, row), al.vec3(d.rdd, b))
+
+    if m.row_kind[row] == rows.COUPLING:
+        total += coupling_acceleration(m, d, row, c)
+
+    return total
+
+
+@inlined
+def coupling_acceleration(m, d, row, c):
+    """What a coupling's coordinates in the tree, and the bodies of its second coordinate, add to g''."""
+    total = 0.0
+
+    for side in range(2):
+        k = m.row_i[row] if side == 0 else m.row_j[row]
+
+        if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE:
+            v = m.n_q + m.body_v[m.coordinate_body[k]]
+            total += m.row_value[2 * row + side] * d.x_rate[v]
+
+    if m.constraint_from_2[c] >= 0:
+        a = m.marker_body[m.constraint_from_2[c]]
+        b = m.marker_body[m.constraint_to_2[c]]
+        total += al.dot(al.vec3(d.row_moment_from_2, row), al.vec3(d.alpha, a))
+        total += al.dot(al.vec3(d.row_force_from_2, row), al.vec3(d.rdd, a))
+        total += al.dot(al.vec3(d.row_moment_to_2, row), al.vec3(d.alpha, b))
+        total += al.dot(al.vec3(d.row_force_to_2, row), al.vec3(d.rdd, b))
+
     return total
 
 

@@ -69,25 +69,68 @@ def acceleration(m, d, k):
 
 
 @inlined
+def bias(m, d, k):
+    """Second rate of coordinate k at zero accelerations of the bodies (IN_TREE: of the state)."""
+    if m.coordinate_kind[k] == IN_TREE:
+        return 0.0
+
+    d.coordinate_effort[k] += effort
+    a = m.coordinate_from[k]
+    b = m.coordinate_to[k]
+    body_a = m.marker_body[a]
+    w_a = al.vec3(d.w, body_a)
+    w_b = al.vec3(d.w, m.marker_body[b])
+    z = along(m, d, k)
+
+    if m.coordinate_kind[k] == ANGLE:
+        return al.dot(al.cross(w_a, z), w_b)
+
+    r = markers.position(m, d, b)
+    seen = al.sub(markers.velocity(m, d, b), markers.point_velocity(m, d, body_a, r))
+    swing = al.sub(
+        al.cross(w_b, al.cross(w_b, markers.arm(m, d, b))),
+        al.cross(w_a, al.cross(w_a, al.sub(r, al.vec3(d.r, body_a)))),
+    )
+    return al.dot(z, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
+
+
+@inlined
+def along(m, d, k):
+    """The axis of a coordinate that is not in the tree (unit vector, inertial axes)."""
+    A = markers.axes(m, d, m.coordinate_from[k])
+    return (A[0][2], A[1][2], A[2][2])
+
+
+@inlined
+def wrenches(m, d, k, effort):
+    """Wrenches about the bodies' origins of an effort along coordinate k not in the tree.
+
+    (moment, force on the first side's body, moment, force on the second's), inertial axes.
+    """
+    u = al.scale(effort, along(m, d, k))
+
+    if m.coordinate_kind[k] == ANGLE:
+        return al.neg(u), al.ZERO3, u, al.ZERO3
+
+    b = m.coordinate_to[k]
+    P = al.sub(markers.position(m, d, b), al.vec3(d.r, m.marker_body[m.coordinate_from[k]]))
+    return al.cross(u, P), al.neg(u), al.cross(markers.arm(m, d, b), u), u
+
+
+@inlined
 def add_effort(m, d, k, effort):
     """An effort (N m or N) along coordinate k, on its second side; its reaction on the first."""
     if m.coordinate_kind[k] == IN_TREE:
         d.tau[m.body_v[m.coordinate_body[k]]] += effort
         return
 
-    d.coordinate_effort[k] += effort
-    a = m.coordinate_from[k]
-    b = m.coordinate_to[k]
-    A = markers.axes(m, d, a)
-    along = al.scale(effort, (A[0][2], A[1][2], A[2][2]))
-    r = markers.position(m, d, b)
-
-    if m.coordinate_kind[k] == SLIDE:
-        markers.add_wrench(m, d, m.marker_body[b], r, al.ZERO3, along)
-        markers.add_wrench(m, d, m.marker_body[a], r, al.ZERO3, al.neg(along))
-    else:
-        markers.add_wrench(m, d, m.marker_body[b], r, along, al.ZERO3)
-        markers.add_wrench(m, d, m.marker_body[a], r, al.neg(along), al.ZERO3)
+    moment_a, force_a, moment_b, force_b = wrenches(m, d, k, effort)
+    body_a = m.marker_body[m.coordinate_from[k]]
+    body_b = m.marker_body[m.coordinate_to[k]]
+    al.add_vec3(d.moment, body_a, moment_a)
+    al.add_vec3(d.force, body_a, force_a)
+    al.add_vec3(d.moment, body_b, moment_b)
+    al.add_vec3(d.force, body_b, force_b)
 
 
 @inlined

@@ -15,6 +15,7 @@ SPLINE      cubic pieces; beyond its ends straight on, or   as given
 import math
 
 from . import algebra as al
+from . import tables
 from .language import inlined, kernel
 
 LINE = 0
@@ -27,45 +28,17 @@ KINDS = {"line": LINE, "circle": CIRCLE, "parabola": PARABOLA, "cycloid": CYCLOI
 
 
 @inlined
-def piece(p, first, pieces, s):
-    """Which of the pieces that begin at the ascending p[first], p[first + 1], .. s is in; the first reaches back without end."""
-    low = 0
-    high = pieces
-
-    while high - low > 1:
-        middle = (low + high) // 2
-
-        if p[first + middle] <= s:
-            low = middle
-        else:
-            high = middle
-
-    return low
-
-
-@inlined
-def cubic(c, at, x):
-    """c0 + c1 x + c2 x^2 + c3 x^3 of four numbers from c[at] on, and its two derivatives."""
-    value = c[at] + x * (c[at + 1] + x * (c[at + 2] + x * c[at + 3]))
-    slope = c[at + 1] + x * (2.0 * c[at + 2] + 3.0 * x * c[at + 3])
-    return value, slope, 2.0 * c[at + 2] + 6.0 * x * c[at + 3]
-
-
-@inlined
 def spline(m, k, s):
-    """(r, r', r'') of a spline."""
-    first = m.curve_piece[k]
+    """(r, r', r'') of a spline: a table for each component."""
+    table = m.curve_table[k]
     period = m.curve_value[k]
 
     if period > 0.0:
-        start = m.piece_s[first + 1]
-        s -= period * math.floor((s - start) / period)
+        s -= period * math.floor((s - tables.first(m, table)) / period)
 
-    i = first + piece(m.piece_s, first, m.curve_pieces[k], s)
-    u = s - m.piece_s[i]
-    x = cubic(m.piece_c, 12 * i, u)
-    y = cubic(m.piece_c, 12 * i + 4, u)
-    z = cubic(m.piece_c, 12 * i + 8, u)
+    x = tables.evaluate(m, table, s)
+    y = tables.evaluate(m, table + 1, s)
+    z = tables.evaluate(m, table + 2, s)
     return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
 
 
@@ -113,6 +86,11 @@ def window(m, k, p, margin):
     if kind == CYCLOID:
         return (p[0] - margin) / R - 1.0, (p[0] + margin) / R + 1.0
 
-    first = m.curve_piece[k]
-    last = first + m.curve_pieces[k] - 1
-    return m.piece_s[first], m.piece_s[last] + (m.curve_value[k] if m.curve_value[k] > 0.0 else 0.0)
+    table = m.curve_table[k]
+    return tables.first(m, table), tables.last(m, table)
+
+
+@inlined
+def pieces(m, k):
+    """Number of pieces of curve k."""
+    return m.table_knots[m.curve_table[k]] - 1 if m.curve_kind[k] == SPLINE else 1

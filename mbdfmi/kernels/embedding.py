@@ -147,16 +147,21 @@ def reach_rows(m, d):
         for v in range(n):
             d.reach[at + v] = 0.0
 
-        if m.row_kind[row] == rows.COUPLING:
-            d.reach[at + m.body_v[m.row_i[row]]] += m.row_value[2 * row]
+        a = m.marker_body[m.constraint_from[c]]
+        b = m.marker_body[m.constraint_to[c]]
+        add_jacobian(m, d, row, a, al.vec3(d.row_moment_from, row), al.vec3(d.row_force_from, row))
+        add_jacobian(m, d, row, b, al.vec3(d.row_moment_to, row), al.vec3(d.row_force_to, row))
 
-            if m.row_j[row] >= 0:
-                d.reach[at + m.body_v[m.row_j[row]]] += m.row_value[2 * row + 1]
-        else:
-            a = m.marker_body[m.constraint_from[c]]
-            b = m.marker_body[m.constraint_to[c]]
-            add_jacobian(m, d, row, a, al.vec3(d.row_moment_from, row), al.vec3(d.row_force_from, row))
-            add_jacobian(m, d, row, b, al.vec3(d.row_moment_to, row), al.vec3(d.row_force_to, row))
+        if m.row_kind[row] == rows.COUPLING:
+            for i in range(1, m.n_body):
+                if d.held[i] == 0.0:
+                    d.reach[at + m.body_v[i]] += rows.effort_on(m, row, i)
+
+            if m.constraint_from_2[c] >= 0:
+                a = m.marker_body[m.constraint_from_2[c]]
+                b = m.marker_body[m.constraint_to_2[c]]
+                add_jacobian(m, d, row, a, al.vec3(d.row_moment_from_2, row), al.vec3(d.row_force_from_2, row))
+                add_jacobian(m, d, row, b, al.vec3(d.row_moment_to_2, row), al.vec3(d.row_force_to_2, row))
 
         solve_lower(d.mass_matrix, n, d.reach, at)
 

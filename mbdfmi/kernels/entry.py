@@ -7,6 +7,7 @@ from numba import types
 
 from . import (
     coordinates,
+    drives,
     dynamics,
     forces,
     integrate,
@@ -36,13 +37,14 @@ def initialise(m, d, t0):
     d.time[0] = t0
     d.time[1] = 0.0
     d.now[0] = t0
+    d.start_time[0] = t0
     d.next_step[0] = 0.0
     d.steps[0] = 0.0
     d.rejected[0] = 0.0
     d.evaluations[0] = 0.0
 
     for i in range(1, m.n_body):
-        if not joints.start(m, d, i):
+        if m.body_drive[i] < 0 and not joints.start(m, d, i):
             return status(BAD_START_ORIENTATION, i)
 
     for row in range(m.n_row):
@@ -78,6 +80,7 @@ def step(m, d, H):
         failure, reached = integrate.adaptive(m, d, H, tableaux.PAIR_853)
 
     advance_time(d, reached)
+    drives.advance_inputs(m, d, reached)
     return failure
 
 
@@ -87,6 +90,7 @@ def compute_outputs(m, d, y):
     failure = OK
     needs = m.output_needs
     integrate.set_time(m, d, 0.0)
+    drives.prescribe(m, d)
     tree.kinematics(m, d)
 
     if (needs & (outputs.NEED_INERTIAS | outputs.NEED_ACCELERATIONS)) != 0:

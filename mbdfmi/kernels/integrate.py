@@ -8,7 +8,8 @@ how a master sums its time.
 import math
 
 from . import algebra as al
-from . import dynamics, forces, joints, tree
+from . import contacts
+from . import drives, dynamics, forces, joints, tree
 from .language import inlined, kernel
 from .project import project
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
@@ -41,6 +42,7 @@ def set_time(m, d, s):
 def evaluate(m, d, s):
     """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
     set_time(m, d, s)
+    drives.prescribe(m, d)
     tree.kinematics(m, d)
     tree.inertias(m, d)
     forces.apply(m, d)
@@ -48,6 +50,7 @@ def evaluate(m, d, s):
     for i in range(1, m.n_body):
         joints.position_rates(m, d, i)
 
+    contacts.parameter_rates(m, d)
     d.evaluations[0] += 1.0
     return dynamics.accelerate(m, d)
 

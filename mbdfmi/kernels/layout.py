@@ -18,7 +18,7 @@ COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
     "n_v",  # velocity coordinates
-    "n_x",  # integrated states: n_q + n_v
+    "n_x",  # integrated states: n_q + n_v + n_s
     "n_solid",  # the user's bodies, each fixed in a node
     "n_marker",
     "n_coordinate",  # joint coordinates that something refers to
@@ -39,6 +39,11 @@ COUNTS = (
     "n_table",  # piecewise cubic functions
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
+    "n_curve",
+    "n_surface",
+    "n_patch",  # bicubic pieces of surfaces
+    "n_contact",  # joints of end frames on curves and surfaces
+    "n_s",  # their parameters
     "n_reaction",  # joints whose reactions go out
     "n_output",  # blocks of outputs
     "n_u",  # scalar inputs
@@ -102,6 +107,8 @@ ARRAYS = (
     Row("load_moment_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
     Row("constraint_from", "ints", 1, "n_constraint", "first marker"),
     Row("constraint_to", "ints", 1, "n_constraint", "second marker"),
+    Row("constraint_from_2", "ints", 1, "n_constraint", "markers of a coupling's second coordinate, -1: none or in the tree"),
+    Row("constraint_to_2", "ints", 1, "n_constraint", ""),
     Row("constraint_row", "ints", 1, "n_constraint", "first row"),
     Row("constraint_rows", "ints", 1, "n_constraint", "number of rows"),
     Row("constraint_path", "ints", 1, "n_constraint", "first of the nodes between it and the ground"),
@@ -112,8 +119,9 @@ ARRAYS = (
     Row("path_at", "ints", 1, "n_path", "where the node's joint stands in a row's response"),
     Row("row_constraint", "ints", 1, "n_row", "constraint"),
     Row("row_kind", "ints", 1, "n_row", "see constraints.py"),
-    Row("row_i", "ints", 1, "n_row", "axis of the first marker, or node of the first coordinate"),
-    Row("row_j", "ints", 1, "n_row", "axis of the second marker, or node of the second coordinate"),
+    Row("row_i", "ints", 1, "n_row", "axis of the first marker, or first coordinate"),
+    Row("row_j", "ints", 1, "n_row", "axis of the second marker, or second coordinate, -1: none"),
+    Row("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
     Row("row_first", "ints", 1, "n_row", "first row whose response meets this one's"),
     Row("row_envelope", "ints", 1, "n_row", "where that product stands in the envelope"),
     Row("table_knot", "ints", 1, "n_table", "first knot"),
@@ -122,6 +130,19 @@ ARRAYS = (
     Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
     Row("drive_at", "ints", 1, "n_drive", "first of its tables or inputs"),
+    Row("curve_kind", "ints", 1, "n_curve", "see curves.py"),
+    Row("curve_table", "ints", 1, "n_curve", "first of a spline's three tables"),
+    Row("surface_kind", "ints", 1, "n_surface", "see surfaces.py"),
+    Row("surface_curve", "ints", 1, "n_surface", "profile of a prism"),
+    Row("surface_table", "ints", 2, "n_surface", "tables whose knots are the patches' edges"),
+    Row("surface_patch", "ints", 1, "n_surface", "first patch, s2 runs fastest"),
+    Row("contact_kind", "ints", 1, "n_contact", "see contacts.py"),
+    Row("contact_a", "ints", 1, "n_contact", "first marker"),
+    Row("contact_b", "ints", 1, "n_contact", "second marker"),
+    Row("contact_from", "ints", 1, "n_contact", "curve or surface of the first marker"),
+    Row("contact_to", "ints", 1, "n_contact", "curve of the second marker"),
+    Row("contact_s", "ints", 1, "n_contact", "first parameter"),
+    Row("contact_given", "ints", 1, "n_contact", "1: start values of the parameters are given"),
     Row("reaction_from", "ints", 1, "n_reaction", "first marker, whose axes it is told in"),
     Row("reaction_to", "ints", 1, "n_reaction", "second marker, which it acts on"),
     Row("reaction_body", "ints", 1, "n_reaction", "node on the joint's far side, -1: it closes a loop"),
@@ -167,9 +188,15 @@ ARRAYS = (
     Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
+    Row("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
     # constants
     Row("knot_x", "reals", 1, "n_knot", "argument of a table"),
     Row("knot_c", "reals", 4, "n_knot", "cubic to the next knot, from here: 1, s, s^2, s^3"),
+    Row("curve_value", "reals", 1, "n_curve", "radius, coefficient, or period of a closed spline, 0: open"),
+    Row("curve_side", "reals", 3, "n_curve", "a direction that the curve is never parallel to"),
+    Row("curve_size", "reals", 1, "n_curve", "m, reach from its marker's origin, 0: without end"),
+    Row("surface_value", "reals", 2, "n_surface", "radius, radius of the tube"),
+    Row("patch_c", "reals", 48, "n_patch", "for x, y, z: coefficients of s1^i s2^j, j runs fastest"),
     Row("body_r", "reals", 3, "n_body", "m, joint frame in the parent's frame"),
     Row("body_A", "reals", 9, "n_body", "joint axes to the parent's axes"),
     Row("solid_r", "reals", 3, "n_solid", "m, user's body frame in the node"),
@@ -178,11 +205,12 @@ ARRAYS = (
     Row("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
     # state
     Row("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
+    Row("start_time", "state", 1, 1, "s"),
     Row("next_step", "state", 1, 1, "s, the adaptive step to try next, 0: none yet"),
     Row("steps", "state", 1, 1, "accepted inner steps since the start"),
     Row("rejected", "state", 1, 1, "rejected inner steps since the start"),
     Row("evaluations", "state", 1, 1, "evaluations of the accelerations since the start"),
-    Row("x", "state", 1, "n_x", "position, then velocity coordinates"),
+    Row("x", "state", 1, "n_x", "position, then velocity coordinates, then parameters of contacts"),
     Row("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
     Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
     Row("body_I", "state", 6, "n_body", "kg m2 about the node's origin, in the node"),
@@ -196,7 +224,7 @@ ARRAYS = (
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
     Row("coordinate_effort", "work", 1, "n_coordinate", "effort along a coordinate that closes a loop"),
-    Row("x_rate", "work", 1, "n_x", "x'; its last n_v entries are the accelerations v'"),
+    Row("x_rate", "work", 1, "n_x", "x'; from n_q on the accelerations v'"),
     # work: kinematics of the nodes
     Row("r", "work", 3, "n_body", "m, origin from O"),
     Row("A", "work", 9, "n_body", "body axes to O"),
@@ -235,6 +263,10 @@ ARRAYS = (
     Row("row_force_from", "work", 3, "n_row", ""),
     Row("row_moment_to", "work", 3, "n_row", "on the second marker's body"),
     Row("row_force_to", "work", 3, "n_row", ""),
+    Row("row_moment_from_2", "work", 3, "n_row", "couplings: on the bodies of the second coordinate"),
+    Row("row_force_from_2", "work", 3, "n_row", ""),
+    Row("row_moment_to_2", "work", 3, "n_row", ""),
+    Row("row_force_to_2", "work", 3, "n_row", ""),
     Row("row_gap", "work", 1, "n_row", "position residual g"),
     Row("row_rate", "work", 1, "n_row", "velocity residual g'"),
     Row("row_bias", "work", 1, "n_row", "g'' at zero accelerations of the bodies"),
@@ -245,6 +277,7 @@ ARRAYS = (
     Row("reach", "work", 1, "n_reach", "response of the joints to each row, whitened"),
     Row("envelope", "work", 1, "n_envelope", "C M^-1 C^T, then its factor L"),
     Row("pivot", "work", 1, "n_row", "1 / D of the factor, 0: row dropped"),
+    Row("aim", "work", 1, "n_contact", "1: assembly takes the contact to given parameters"),
     Row("passed_moment", "work", 3, "n_body", "wrench on its way to the ground"),
     Row("passed_force", "work", 3, "n_body", ""),
     Row("white", "work", 1, "n_v", "whitened effort"),

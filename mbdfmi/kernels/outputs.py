@@ -6,7 +6,7 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 import math
 
 from . import algebra as al
-from . import coordinates, forces, gravity, markers, reactions, tree
+from . import contacts, coordinates, forces, gravity, markers, reactions, tree
 from .language import inlined, kernel
 
 # of joint coordinate a
@@ -50,6 +50,9 @@ SPRING_ENERGY = 29
 LINEAR_MOMENTUM = 30
 ANGULAR_MOMENTUM = 31
 CENTER_OF_MASS = 32
+# of contact a: parameter b + 1
+CONTACT_S = 33
+CONTACT_RATE = 34
 
 VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
 VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
@@ -220,6 +223,13 @@ def write_outputs(m, d, y):
         elif kind == REACTION_FORCE or kind == REACTION_MOMENT:
             moment, force = reactions.reaction(m, d, a)
             al.set_vec_at(y, at, force if kind == REACTION_FORCE else moment)
+
+        elif kind == CONTACT_S:
+            y[at] = d.x[contacts.parameter(m, a) + b]
+
+        elif kind == CONTACT_RATE:
+            rate1, rate2 = contacts.rates(m, d, a)
+            y[at] = rate1 if b == 0 else rate2
 
         elif kind == MULTIPLIER:
             y[at] = d.multiplier[a]

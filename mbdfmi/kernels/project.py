@@ -3,7 +3,7 @@
 import math
 
 from . import algebra as al
-from . import coordinates, dynamics, joints, rows, tree
+from . import contacts, coordinates, drives, dynamics, joints, rows, tree
 from .language import inlined, kernel
 from .status import LOOP_OPEN, OK, status
 
@@ -81,6 +81,14 @@ def worst_constraint(m, d):
     return m.row_constraint[worst]
 
 
+@inlined
+def see_rows(m, d):
+    """Rows at the positions and velocities of d.x, contacts at their closest points."""
+    tree.kinematics(m, d)
+    contacts.find_parameters(m, d)
+    rows.write_rows(m, d)
+
+
 @kernel
 def project_positions(m, d, gap_allowed):
     """Newton's method to the nearest positions (in the mass metric) where all gaps close. Returns a status.
@@ -91,8 +99,7 @@ def project_positions(m, d, gap_allowed):
     gap_before = math.inf
 
     for iteration in range(MAX_ITERATIONS):
-        tree.kinematics(m, d)
-        rows.write_rows(m, d)
+        see_rows(m, d)
         gap = largest(d.row_gap, m.n_row)
         done = gap <= ROUNDING or (gap > STALLED * gap_before and gap <= gap_allowed)
 
@@ -117,8 +124,7 @@ def project_positions(m, d, gap_allowed):
         move_by_change(m, d, 1.0 if size < 0.5 else 0.5 / size)
         gap_before = gap
 
-    tree.kinematics(m, d)
-    rows.write_rows(m, d)
+    see_rows(m, d)
     return status(LOOP_OPEN, m.n_body + worst_constraint(m, d))
 
 
@@ -140,6 +146,7 @@ def project(m, d):
 
     `d.now` is the end of that step: every method evaluates its last stage there.
     """
+    drives.prescribe(m, d)
     unit_E(m, d)
     failure = OK
 
@@ -168,27 +175,43 @@ def start_x(m, d):
         d.x[k] = d.x_before[k]
 
 
+@inlined
+def close_loops(m, d, what):
+    """Positions onto the constraints, with joints held as `hold` says; first to given parameters of contacts. Returns a status."""
+    hold(m, d, what)
+
+    if contacts.aim(m, d, True) > 0:
+        if project_positions(m, d, GAP_ALLOWED) != OK:
+            start_x(m, d)
+
+        contacts.aim(m, d, False)
+
+    return project_positions(m, d, GAP_ALLOWED)
+
+
 @kernel
 def assemble(m, d):
     """Close the loops from approximate start values in d.x, then make the velocities fit. Returns a status.
 
     Start values that the user gave are kept where the loops can close so; only where they cannot does everything move.
     """
+    drives.prescribe(m, d)
     unit_E(m, d)
 
     if m.n_row == 0:
         return OK
 
+    tree.kinematics(m, d)
+    contacts.start(m, d)
+
     for k in range(m.n_x):
         d.x_before[k] = d.x[k]
 
-    hold(m, d, 1)
-    failure = project_positions(m, d, GAP_ALLOWED)
+    failure = close_loops(m, d, 1)
 
     if failure != OK:
         start_x(m, d)
-        hold(m, d, 4)
-        failure = project_positions(m, d, GAP_ALLOWED)
+        failure = close_loops(m, d, 4)
 
     if failure != OK:
         return failure
@@ -222,10 +245,12 @@ def find_redundant(m, d):
     for k in range(m.n_x):
         d.x_before[k] = d.x[k]
 
-    for v in range(m.n_v):
-        d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3)
-
     hold(m, d, 4)
+
+    for i in range(1, m.n_body):
+        for v in range(m.body_v[i], m.body_v[i] + joints.n_v(m.body_joint[i])):
+            d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3) if d.held[i] == 0.0 else 0.0
+
     tree.kinematics(m, d)
     rows.write_rows(m, d)
 

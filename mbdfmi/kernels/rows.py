@@ -11,7 +11,8 @@ point of the first body that is where the second's is.
 import math
 
 from . import algebra as al
-from . import markers
+from . import contacts
+from . import coordinates, drives, markers
 from .language import inlined, kernel
 
 POINT = 0  # d stays normal to axis i of a
@@ -20,7 +21,8 @@ DISTANCE = 2  # |d| stays value[0]
 KNIFE = 3  # velocity of b's origin as seen from a has no component along axis j of b
 ROLL_SPHERE = 4  # a sphere of radius value[0] about b's origin rolls on the plane z = 0 of a: component i
 ROLL_DISK = 5  # a thin disk of radius value[0] about z of b rolls there: component i
-COUPLING = 6  # value[0] times coordinate of node i + value[1] times that of node j + offset = 0
+COUPLING = 6  # value[0] c_i + value[1] c_j + offset = target of a drive or 0, c joint coordinates
+CONTACT = 7  # row i of contact j
 
 
 @inlined
@@ -96,20 +98,59 @@ def rolling_contact(kind, radius, A_a, w_a, A_b, w_b):
 
 @inlined
 def write_coupling(m, d, row):
-    """A coupling of two joints' coordinates: linear, so without bias; its wrenches are efforts (see constraints)."""
+    """A coupling of joint coordinates, or the drive of one: value[0] c_i + value[1] c_j + offset = target of the drive.
+
+    Coordinates in the tree take efforts instead of wrenches (see constraints).
+    """
     i = m.row_i[row]
     j = m.row_j[row]
     a = m.row_value[2 * row]
-    gap = m.row_offset[row] + a * d.x[m.body_q[i]]
-    rate = a * d.x[m.n_q + m.body_v[i]]
+    b = m.row_value[2 * row + 1]
+    gap = m.row_offset[row] + a * coordinates.value(m, d, i)
+    rate = a * coordinates.rate(m, d, i)
+    bias = a * coordinates.bias(m, d, i)
+    set_row(d, row, al.ZERO3, al.ZERO3, al.ZERO3, al.ZERO3)
+
+    if m.coordinate_kind[i] != coordinates.IN_TREE:
+        moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, i, a)
+        set_row(d, row, moment_a, force_a, moment_b, force_b)
 
     if j >= 0:
-        b = m.row_value[2 * row + 1]
-        gap += b * d.x[m.body_q[j]]
-        rate += b * d.x[m.n_q + m.body_v[j]]
+        gap += b * coordinates.value(m, d, j)
+        rate += b * coordinates.rate(m, d, j)
+        bias += b * coordinates.bias(m, d, j)
 
-    set_residuals(d, row, gap, rate, 0.0)
-    set_row(d, row, al.ZERO3, al.ZERO3, al.ZERO3, al.ZERO3)
+        if m.coordinate_kind[j] != coordinates.IN_TREE:
+            moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, j, b)
+            al.set_vec3(d.row_moment_from_2, row, moment_a)
+            al.set_vec3(d.row_force_from_2, row, force_a)
+            al.set_vec3(d.row_moment_to_2, row, moment_b)
+            al.set_vec3(d.row_force_to_2, row, force_b)
+
+    if m.row_drive[row] >= 0:
+        position, speed, acceleration = drives.target(m, d, m.row_drive[row])
+        gap -= position
+        rate -= speed
+        bias -= acceleration
+
+    set_residuals(d, row, gap, rate, bias)
+
+
+@inlined
+def effort_on(m, row, i):
+    """A coupling's effort in the joint of body i, for a unit multiplier; 0 for other rows."""
+    if m.row_kind[row] != COUPLING:
+        return 0.0
+
+    effort = 0.0
+
+    for side in range(2):
+        k = m.row_i[row] if side == 0 else m.row_j[row]
+
+        if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE and m.coordinate_body[k] == i:
+            effort += m.row_value[2 * row + side]
+
+    return effort
 
 
 @kernel
@@ -174,6 +215,11 @@ def write_rows(m, d):
 
             elif kind == COUPLING:
                 write_coupling(m, d, row)
+
+            elif kind == CONTACT:
+                u, r_c, gap, rate, bias = contacts.row(m, d, j, i)
+                set_push(d, row, u, al.sub(r_c, al.vec3(d.r, body_a)), al.sub(r_c, al.vec3(d.r, body_b)))
+                set_residuals(d, row, gap, rate, bias)
 
             else:
                 u = axis_of(A_a, i)

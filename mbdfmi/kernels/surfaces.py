@@ -15,7 +15,7 @@ TABLE       bicubic patches; beyond its edges straight on                as give
 import math
 
 from . import algebra as al
-from . import curves
+from . import curves, tables
 from .language import inlined, kernel
 
 PLANE = 0
@@ -31,6 +31,14 @@ Z = (0.0, 0.0, 1.0)
 
 
 @inlined
+def cubic(c, at, x):
+    """c0 + c1 x + c2 x^2 + c3 x^3 of four numbers from c[at] on, and its two derivatives."""
+    value = c[at] + x * (c[at + 1] + x * (c[at + 2] + x * c[at + 3]))
+    slope = c[at + 1] + x * (2.0 * c[at + 2] + 3.0 * x * c[at + 3])
+    return value, slope, 2.0 * c[at + 2] + 6.0 * x * c[at + 3]
+
+
+@kernel
 def bicubic(c, at, x, y):
     """A bicubic polynomial of 16 numbers from c[at] on (powers of y run fastest), and its derivatives.
 
@@ -39,8 +47,8 @@ def bicubic(c, at, x, y):
     value = slope_x = slope_y = bend_x = twist = bend_y = 0.0
 
     # Horner's rule for the polynomial in x whose coefficients are cubics in y
-    for row in range(3, -1, -1):
-        f, f_y, f_yy = curves.cubic(c, at + 4 * row, y)
+    for power in range(3, -1, -1):
+        f, f_y, f_yy = cubic(c, at + 4 * power, y)
         bend_x = 2.0 * slope_x + x * bend_x
         slope_x = value + x * slope_x
         value = f + x * value
@@ -52,16 +60,19 @@ def bicubic(c, at, x, y):
 
 
 @inlined
-def patch(m, k, s1, s2):
-    """`point` of a table."""
-    first1 = m.surface_grid[2 * k]
-    first2 = m.surface_grid[2 * k + 1]
-    i = curves.piece(m.grid_s, first1, m.surface_cells[2 * k], s1)
-    j = curves.piece(m.grid_s, first2, m.surface_cells[2 * k + 1], s2)
-    at = 48 * (m.surface_patch[k] + i * m.surface_cells[2 * k + 1] + j)
-    x = bicubic(m.patch_c, at, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
-    y = bicubic(m.patch_c, at + 16, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
-    z = bicubic(m.patch_c, at + 32, s1 - m.grid_s[first1 + i], s2 - m.grid_s[first2 + j])
+def patched(m, k, s1, s2):
+    """`point` of a table: its two tables hold the parameters at the edges of the patches."""
+    table1 = m.surface_table[2 * k]
+    table2 = m.surface_table[2 * k + 1]
+    i = tables.interval(m, table1, s1)
+    j = tables.interval(m, table2, s2)
+    across = m.table_knots[table2] - 1
+    at = 48 * (m.surface_patch[k] + (i - m.table_knot[table1]) * across + j - m.table_knot[table2])
+    u = s1 - m.knot_x[i]
+    v = s2 - m.knot_x[j]
+    x = bicubic(m.patch_c, at, u, v)
+    y = bicubic(m.patch_c, at + 16, u, v)
+    z = bicubic(m.patch_c, at + 32, u, v)
     return (
         (x[0], y[0], z[0]),
         (x[1], y[1], z[1]),
@@ -87,7 +98,7 @@ def point(m, k, s1, s2):
         return al.axpy(s2, Z, r), t, Z, tt, zero, zero
 
     if kind == TABLE:
-        return patch(m, k, s1, s2)
+        return patched(m, k, s1, s2)
 
     x = (math.cos(s1), math.sin(s1), 0.0)
     y = (-x[1], x[0], 0.0)
@@ -130,13 +141,20 @@ def window(m, k, p):
         return curves.window(m, m.surface_curve[k], p, 0.0), (p[2], p[2])
 
     if kind == TABLE:
-        first1 = m.surface_grid[2 * k]
-        first2 = m.surface_grid[2 * k + 1]
-        last1 = first1 + m.surface_cells[2 * k] - 1
-        last2 = first2 + m.surface_cells[2 * k + 1] - 1
-        return (m.grid_s[first1], m.grid_s[last1]), (m.grid_s[first2], m.grid_s[last2])
+        one = m.surface_table[2 * k]
+        two = m.surface_table[2 * k + 1]
+        return (tables.first(m, one), tables.last(m, one)), (tables.first(m, two), tables.last(m, two))
 
     if kind == CYLINDER:
         return (0.0, turn), (p[2], p[2])
 
     return (-0.5 * turn, 0.5 * turn), (-0.5 * turn, 0.5 * turn)
+
+
+@inlined
+def pieces(m, k):
+    """Numbers of pieces of surface k along s1 and s2."""
+    if m.surface_kind[k] == TABLE:
+        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[m.surface_table[2 * k + 1]] - 1
+
+    return (curves.pieces(m, m.surface_curve[k]) if m.surface_kind[k] == PRISM else 1), 1

@@ -28,11 +28,21 @@ def interval(m, k, x):
 
 
 @inlined
+def first(m, k):
+    """Where table k begins."""
+    return m.knot_x[m.table_knot[k]]
+
+
+@inlined
+def last(m, k):
+    """Where table k ends."""
+    return m.knot_x[m.table_knot[k] + m.table_knots[k] - 1]
+
+
+@inlined
 def clamped(m, k, x):
     """x moved to the nearest end of table k where it lies beyond."""
-    first = m.knot_x[m.table_knot[k]]
-    last = m.knot_x[m.table_knot[k] + m.table_knots[k] - 1]
-    return min(max(x, first), last)
+    return min(max(x, first(m, k)), last(m, k))
 
 
 @inlined

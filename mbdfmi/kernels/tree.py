@@ -13,7 +13,7 @@ Indices: i body, parent its parent.
 from . import algebra as al
 from . import joints
 from .language import inlined, kernel
-from .status import OK, SINGULAR_INERTIA, status
+from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
 
 
 @kernel
@@ -179,6 +179,12 @@ def free_factor(d, i):
     return left and al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
 
 
+@inlined
+def no_inertia(D, i):
+    """Status where the inertia D about body i's joint is not positive: a NaN comes from elsewhere."""
+    return status(SINGULAR_INERTIA, i) if D == D else status(NOT_FINITE, 0)
+
+
 @kernel
 def aba(m, d):
     """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
@@ -229,7 +235,7 @@ def aba(m, d):
                 most = M[0] + M[1] + M[2]
 
             if not D > al.ROUNDING * most:
-                return status(SINGULAR_INERTIA, i)
+                return no_inertia(d.D[6 * i], i)
 
             al.set_vec3(d.U_w, i, U_w)
             al.set_vec3(d.U_r, i, U_r)
@@ -257,7 +263,7 @@ def aba(m, d):
             F = al.sym_factor(I)
 
             if not al.sym_is_positive(F):
-                return status(SINGULAR_INERTIA, i)
+                return no_inertia(F[0] + F[1] + F[2], i)
 
             al.set_sym3(d.D, i, F)
             al.set_vec3(d.effort, i, effort3)
@@ -280,7 +286,7 @@ def aba(m, d):
             al.set_vec3(d.U_r, i, al.sub(push, force))
 
             if not free_factor(d, i):
-                return status(SINGULAR_INERTIA, i)
+                return no_inertia(d.D[6 * i], i)
 
             if parent > 0:
                 add_shifted_wrench(d, parent, arm, torque, push)

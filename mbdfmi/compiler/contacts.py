@@ -1,0 +1,187 @@
+"""Curves and surfaces of markers, and the joints whose end frames are on them."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PPoly
+
+from ..kernels import contacts, curves, outputs, surfaces, tables
+from ..variables import dotted
+
+# samples of a curve's tangent, and directions that may be the one it is never parallel to
+TANGENTS = 400
+SIDES = 200
+
+
+def add_contacts(builder):
+    """All contacts, their curves and surfaces; `builder.contacts`: joint -> its contact."""
+    builder.contacts = {}
+    builder.single["s_start"] = []
+
+    for name, joint in builder.scene.joint.items():
+        if joint.kind in contacts.KINDS:
+            builder.contacts[name] = _add_contact(builder, name, joint)
+
+
+def _add_contact(builder, name, joint):
+    shapes = [_shape(builder, end, what) for end, what in zip(joint.between, joint.shapes)]
+    first = len(builder.single["s_start"])
+    units = parameter_units(builder, joint)
+    given = joint.start_s is not None
+    start = joint.start_s if given else np.zeros(len(units))
+    builder.single["s_start"] += list(start)
+
+    if given:
+        endings = [""] if len(units) == 1 else [f"[{k + 1}]" for k in range(len(units))]
+
+        for k, (value, unit, ending) in enumerate(zip(start, units, endings)):
+            about = f"parameter of {name} at the start"
+            variable = dotted(name, "s_start") + ending
+            builder.add_parameters(variable, "s_start", first + k, value, unit, about, "fixed")
+
+    return builder.tables["n_contact"].add(
+        contact_kind=contacts.KINDS[joint.kind],
+        contact_a=builder.joint_marker(name, 0, np.eye(3)),
+        contact_b=builder.joint_marker(name, 1, np.eye(3)),
+        contact_from=shapes[0],
+        contact_to=shapes[1],
+        contact_s=first,
+        contact_given=given,
+    )
+
+
+def _shape(builder, end, what):
+    """Index of the curve or surface of a marker; -1 where none is needed."""
+    if what == "curve":
+        return _add_curve(builder, builder.scene.marker(end).curve)
+
+    if what == "surface":
+        return _add_surface(builder, builder.scene.marker(end).surface)
+
+    return -1
+
+
+def _add_curve(builder, curve):
+    kind = curves.KINDS[curve.kind]
+    row = dict(curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0)
+
+    if kind == curves.SPLINE:
+        points, s = curve.points, curve.s
+        spline = CubicSpline(s, points, bc_type="periodic" if curve.closed else "not-a-knot")
+        row["curve_table"] = builder.tables["n_table"].length
+        row["curve_size"] = np.linalg.norm(points, axis=1).max()
+
+        for component in range(3):
+            builder.table(PPoly(spline.c[:, :, component], spline.x), tables.LINEAR)
+
+        if curve.closed:
+            row["curve_value"] = s[-1] - s[0]
+
+        if not curve.is_planar:
+            row["curve_side"] = _side(spline.derivative()(np.linspace(s[0], s[-1], TANGENTS)))
+
+    elif kind == curves.CIRCLE:
+        row |= {"curve_value": curve.radius, "curve_size": curve.radius}
+    elif kind == curves.CYCLOID:
+        row["curve_value"] = curve.radius
+    elif kind == curves.PARABOLA:
+        row["curve_value"] = curve.coefficient
+
+    return builder.tables["n_curve"].add(**row)
+
+
+def _side(tangents):
+    """The unit vector (3,) of many that keeps the largest angle to tangents (n, 3)."""
+    tangents = tangents / np.linalg.norm(tangents, axis=1)[:, None]
+
+    # directions evenly spread over the upper half of a sphere, by the golden angle
+    z = (np.arange(SIDES) + 0.5) / SIDES
+    turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(SIDES)
+    flat = np.sqrt(1.0 - z**2)
+    sides = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
+    return sides[np.abs(sides @ tangents.T).max(axis=1).argmin()]
+
+
+def _add_surface(builder, surface):
+    kind = surfaces.KINDS[surface.kind]
+    row = dict(surface_kind=kind, surface_curve=0, surface_table=(0, 0), surface_patch=0, surface_value=(0.0, 0.0))
+
+    if kind == surfaces.PRISM:
+        row["surface_curve"] = _add_curve(builder, surface.profile)
+    elif kind == surfaces.TORUS:
+        row["surface_value"] = surface.radius, surface.tube
+    elif kind in (surfaces.SPHERE, surfaces.CYLINDER):
+        row["surface_value"] = surface.radius, 0.0
+    elif kind == surfaces.TABLE:
+        row |= _add_patches(builder, surface)
+
+    return builder.tables["n_surface"].add(**row)
+
+
+def _add_patches(builder, surface):
+    """Bicubic patches through a grid of points, with a frame of straight ones around it."""
+    spline = CubicSpline(surface.s1, surface.points)
+    edges1, across = _with_straight_ends(spline.x, spline.c)
+    spline = CubicSpline(surface.s2, across, axis=2)
+    edges2, along = _with_straight_ends(spline.x, spline.c)
+
+    # from (power of s2, patch by s2, power of s1, patch by s1, component), highest powers first
+    patches = along[::-1, :, ::-1].transpose(3, 1, 4, 2, 0)
+    first = builder.tables["n_patch"].length
+
+    for coefficients in patches.reshape(-1, 48):
+        builder.tables["n_patch"].add(patch_c=coefficients)
+
+    edges = [builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)]
+    return {"surface_patch": first, "surface_table": edges}
+
+
+def _with_straight_ends(x, c):
+    """Breakpoints (n + 1,) and coefficients (4, n, ...) of a spline, with a straight piece more at both ends."""
+    width = (x[-1] - x[0]) / (len(x) - 1)
+    h = x[-1] - x[-2]
+    left, right = np.zeros((2, 4, 1, *c.shape[2:]))
+    left[2, 0] = c[2, 0]
+    left[3, 0] = c[3, 0] - width * c[2, 0]
+    right[2, 0] = c[2, -1] + h * (2.0 * c[1, -1] + 3.0 * h * c[0, -1])
+    right[3, 0] = c[3, -1] + h * (c[2, -1] + h * (c[1, -1] + h * c[0, -1]))
+    return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate([left, c, right], axis=1)
+
+
+def add_contact_outputs(builder, name, joint, output):
+    """Parameters of a contact, or their rates."""
+    units = parameter_units(builder, joint)
+    kind = outputs.CONTACT_S if output == "s" else outputs.CONTACT_RATE
+    nodes = builder.nodes_of(name)
+
+    for k, unit in enumerate(units):
+        if output == "s_rate":
+            unit = f"{unit}/s" if unit else "1/s"
+
+        ending = f"[{k + 1}]" if len(units) > 1 else ""
+        about = f"{'parameter' if output == 's' else 'rate of the parameter'} of {name}"
+        builder.add_outputs(dotted(name, output) + ending, kind, unit, about, nodes, builder.contacts[name], k)
+
+
+def parameter_units(builder, joint):
+    """Unit of each parameter of a contact joint; None where the user gave them."""
+    if joint.kind == "point_on_surface":
+        surface = builder.scene.marker(joint.between[0]).surface
+        units = {
+            "plane": ["m", "m"],
+            "sphere": ["rad", "rad"],
+            "cylinder": ["rad", "m"],
+            "torus": ["rad", "rad"],
+            "table": [None, None],
+        }
+        return [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
+
+    ends = joint.between if joint.kind == "curve_on_curve" else joint.between[:1]
+    return [_curve_unit(builder.scene.marker(end).curve) for end in ends]
+
+
+def _curve_unit(curve):
+    """Unit of a curve's parameter."""
+    if curve.kind == "cycloid":
+        return "rad"
+
+    given = curve.kind == "table" or (curve.kind == "spline" and curve.spline.s is not None)
+    return None if given else "m"

@@ -1,0 +1,193 @@
+"""Prescribed motion of joints and of the ground; couplings between joints."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..kernels import drives, rows, tables
+from ..variables import dotted
+from .joints import COORDINATES
+from .start import start_coordinate
+
+GROUND_INPUTS = (
+    ("position", 3, "m"),
+    ("velocity", 3, "m/s"),
+    ("acceleration", 3, "m/s2"),
+    ("euler_parameters", 4, None),
+    ("omega", 3, "rad/s"),
+    ("alpha", 3, "rad/s2"),
+)
+
+
+def add_drives(builder):
+    """Drives of the ground and of joints. Those of joints in the tree hold their nodes; the others wait in
+    builder.driven_cuts: joint -> drive, to become constraints."""
+    builder.driven_cuts = {}
+    motion = builder.scene.ground.motion
+
+    if motion is not None:
+        node = builder.tree.home["ground"][0]
+        builder.drive_of[node] = _add_ground(builder, motion, node)
+
+    for name, joint in builder.scene.joint.items():
+        if joint.driver is None:
+            continue
+
+        in_tree = name in builder.joint_nodes
+        node = builder.joint_nodes[name][0] if in_tree else -1
+        drive = _add_joint_drive(builder, name, joint, node)
+
+        if in_tree:
+            builder.drive_of[node] = drive
+        else:
+            builder.driven_cuts[name] = drive
+
+
+def _add(builder, kind, node, value=(), at=0):
+    """A row of the table of drives."""
+    values = np.zeros(16)
+    values[: len(value)] = value
+    return builder.tables["n_drive"].add(drive_kind=kind, drive_body=node, drive_at=at, drive_value=values)
+
+
+def _spline(builder, time, values):
+    """Index of the first of the tables of a cubic spline over time, one for each column."""
+    columns = np.reshape(values, (len(time), -1)).T
+    tables_ = [builder.table(_cubic(time, column), tables.HOLD) for column in columns]
+    return tables_[0]
+
+
+def _cubic(time, values):
+    """A cubic spline; of fewer than four points the polynomial through them."""
+    return CubicSpline(time, values, bc_type="not-a-knot" if len(time) > 2 else "natural")
+
+
+def _add_joint_drive(builder, name, joint, node):
+    driver = joint.driver
+    position, speed, unit = COORDINATES[joint.kind][0]
+
+    if driver.kind == "constant_speed":
+        start = joint.start_position()[0]
+        drive = _add(builder, drives.CONSTANT_SPEED, node, (start, driver.speed()))
+        about = f"prescribed speed of {name}"
+        builder.add_parameters(
+            dotted(name, "speed_driven"), "drive_value", drive, driver.speed(), f"{unit}/s", about, offset=1
+        )
+        return drive
+
+    if driver.kind == "harmonic":
+        wave = driver.harmonic
+        frequency = 2 * np.pi * wave.frequency
+        value = (wave.mean_value(), wave.amplitude_value(), frequency, wave.phase_value())
+        return _add(builder, drives.HARMONIC, node, value)
+
+    if driver.kind == "table":
+        time, values = driver.table.points()
+        return _add(builder, drives.TABLE, node, at=_spline(builder, time, values))
+
+    nodes = builder.nodes_of(name)
+    first = None
+
+    for quantity, ending in ((position, ""), (speed, "/s"), ("acceleration", "/s2")):
+        about = f"{quantity} that {name} is driven to"
+        start = {position: joint.start_position, speed: joint.start_velocity}.get(quantity)
+        variable = dotted(name, f"{quantity}_command")
+        value = float(start()[0]) if start else 0.0
+        u = builder.add_inputs(variable, (), unit + ending, about, nodes, moves=True, start=value)
+        first = u if first is None else first
+
+    return _add(builder, drives.INPUT, node, at=first)
+
+
+def _add_ground(builder, motion, node):
+    if motion.kind == "acceleration":
+        value = [*motion.position, *motion.velocity, *motion.acceleration]
+        return _add(builder, drives.GROUND_ACCELERATION, node, value)
+
+    if motion.kind == "rotation":
+        turn = motion.rotation
+        value = [*turn.direction(), *turn.point, turn.speed_value(), turn.angle_value()]
+        return _add(builder, drives.GROUND_ROTATION, node, value)
+
+    if motion.kind == "orbit":
+        orbit = motion.orbit
+        value = [*orbit.axes().ravel(), orbit.radius, orbit.rate, orbit.phase_value(), float(orbit.pointing)]
+        return _add(builder, drives.GROUND_ORBIT, node, value)
+
+    if motion.kind == "table":
+        time, position, E = motion.table.points()
+        return _add(builder, drives.GROUND_TABLE, node, at=_spline(builder, time, np.hstack([position, E])))
+
+    first = None
+
+    for quantity, size, unit in GROUND_INPUTS:
+        about = f"{quantity.replace('_', ' ')} of the ground in the inertial frame"
+        start = (0.0, 0.0, 0.0, 1.0) if size == 4 else 0.0
+        u = builder.add_inputs(dotted("ground", quantity), (size,), unit, about, [node], moves=True, start=start)
+        first = u if first is None else first
+
+    return _add(builder, drives.GROUND_INPUT, node, at=first)
+
+
+def drive_constraints(builder):
+    """Constraints of driven joints that close loops: one row on the joint's coordinate each."""
+    return [
+        _coordinate_row(builder, name, [builder.coordinate(name), -1], (1.0, 0.0), 0.0, drive)
+        for name, drive in builder.driven_cuts.items()
+    ]
+
+
+def coupling_constraints(builder):
+    """Couplings, and the pitch of screws."""
+    constraints = []
+
+    for name, coupling in builder.scene.coupling.items():
+        first, second = coupling.between
+        pair = [builder.coordinate(first), builder.coordinate(second)]
+        offset = coupling.offset
+
+        if offset is None:
+            start = [start_coordinate(builder, joint) for joint in (first, second)]
+            offset = start[1] - coupling.ratio * start[0]
+
+        constraints.append(_coordinate_row(builder, name, pair, (coupling.ratio, -1.0), offset))
+
+    for name, joint in builder.scene.joint.items():
+        if joint.kind == "screw":
+            pair = [builder.coordinate(name, k) for k in (0, 1)]
+            constraints.append(_coordinate_row(builder, name, pair, (1.0, -joint.pitch / (2 * np.pi)), 0.0))
+
+    return constraints
+
+
+def _coordinate_row(builder, name, pair, factors, offset, drive=-1):
+    """A constraint of one row on one or two joint coordinates."""
+    markers, nodes = [], []
+    columns = builder.tables["n_coordinate"].columns
+
+    for k in pair:
+        here = [0, 0] if k >= 0 else [-1, -1]
+
+        if k >= 0:
+            body = int(columns["coordinate_body"][k][0])
+
+            if body > 0:
+                nodes.append(body)
+            else:
+                here = [int(columns[name][k][0]) for name in ("coordinate_from", "coordinate_to")]
+                nodes += [builder.marker_node(marker) for marker in here]
+
+        markers += here
+
+    # a second coordinate in the tree has no markers
+    if markers[2:] == [0, 0]:
+        markers[2:] = [-1, -1]
+
+    return dict(
+        name=name,
+        markers=markers,
+        nodes=nodes,
+        rows=[(rows.COUPLING, *pair)],
+        value=factors,
+        offset=offset,
+        drive=drive,
+    )

@@ -1,0 +1,207 @@
+"""Prescribed motion: of a joint's coordinate, or of the ground in the inertial frame.
+
+A drive gives a motion as a function of time, or of inputs. A driven joint of the tree is held (its acceleration is
+given, hybrid dynamics); one that closes a loop is driven by a row of `rows`.
+"""
+
+import math
+
+from . import algebra as al
+from . import tables
+from .language import inlined, kernel
+
+# of one coordinate; drive_value:
+CONSTANT_SPEED = 0  # position at the start, speed
+HARMONIC = 1  # mean, amplitude, angular frequency rad/s, phase rad
+TABLE = 2  # drive_at: table over time
+INPUT = 3  # drive_at: inputs position, speed, acceleration at the start of the communication step
+
+# of the ground; drive_value:
+GROUND_ACCELERATION = 4  # position, velocity at time 0, acceleration (3 each)
+GROUND_ROTATION = 5  # axis (3), point (3), speed, angle at time 0
+GROUND_ORBIT = 6  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
+GROUND_TABLE = 7  # drive_at: 7 tables over time, position and E
+GROUND_INPUT = 8  # drive_at: inputs r, r', r'' (3 each), E (4), w, w' (3 each)
+
+
+@inlined
+def extrapolated(d, u, s):
+    """Position, speed, acceleration at time s (s) of the communication step from three inputs at its start."""
+    a = d.u_buffer[u + 2]
+    return d.u_buffer[u] + s * (d.u_buffer[u + 1] + 0.5 * s * a), d.u_buffer[u + 1] + s * a, a
+
+
+@kernel
+def target(m, d, k):
+    """(position, rate, acceleration) that drive k of one coordinate asks for now."""
+    kind = m.drive_kind[k]
+    at = 16 * k
+
+    if kind == CONSTANT_SPEED:
+        speed = m.drive_value[at + 1]
+        return m.drive_value[at] + speed * (d.now[0] - d.start_time[0]), speed, 0.0
+
+    if kind == HARMONIC:
+        w = m.drive_value[at + 2]
+        amplitude = m.drive_value[at + 1]
+        angle = w * d.now[0] + m.drive_value[at + 3]
+        wave = amplitude * math.sin(angle)
+        return m.drive_value[at] + wave, w * amplitude * math.cos(angle), -w * w * wave
+
+    if kind == TABLE:
+        return tables.evaluate(m, m.drive_at[k], d.now[0])
+
+    return extrapolated(d, m.drive_at[k], d.now[0] - d.time[0])
+
+
+@inlined
+def table_vector(m, k, t):
+    """Value, slope and second slope of the three tables from k on."""
+    x = tables.evaluate(m, k, t)
+    y = tables.evaluate(m, k + 1, t)
+    z = tables.evaluate(m, k + 2, t)
+    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
+
+
+@inlined
+def rotation_of_table(m, k, t):
+    """(E of unit length, w, w') of the four tables of E from k on; the splines need not keep unit length.
+
+    w = 2 B E' / E.E and w' = 2 B E'' / E.E - 2 (E.E') / E.E w, since B E = B' E' = 0.
+    """
+    a, a1, a2 = table_vector(m, k, t)
+    b, b1, b2 = tables.evaluate(m, k + 3, t)
+    E = (a[0], a[1], a[2], b)
+    E1 = (a1[0], a1[1], a1[2], b1)
+    E2 = (a2[0], a2[1], a2[2], b2)
+    s = 1.0 / al.E_dot(E, E)
+    w = al.scale(2.0 * s, al.B_times(E, E1))
+    alpha = al.axpy(-2.0 * s * al.E_dot(E, E1), w, al.scale(2.0 * s, al.B_times(E, E2)))
+    return al.E_scale(math.sqrt(s), E), w, alpha
+
+
+@kernel
+def ground_motion(m, d, k):
+    """(r, r', r'', E, w, w') of the ground in the inertial frame by drive k now."""
+    kind = m.drive_kind[k]
+    at = 16 * k
+    t = d.now[0]
+    unit = (0.0, 0.0, 0.0, 1.0)
+
+    if kind == GROUND_ACCELERATION:
+        a = al.vec_at(m.drive_value, at + 6)
+        rd = al.axpy(t, a, al.vec_at(m.drive_value, at + 3))
+        r = al.axpy(t, al.axpy(0.5 * t, a, al.vec_at(m.drive_value, at + 3)), al.vec_at(m.drive_value, at))
+        return r, rd, a, unit, al.ZERO3, al.ZERO3
+
+    if kind == GROUND_ROTATION:
+        axis = al.vec_at(m.drive_value, at)
+        point = al.vec_at(m.drive_value, at + 3)
+        speed = m.drive_value[at + 6]
+        angle = m.drive_value[at + 7] + speed * t
+        vector = al.scale(math.sin(0.5 * angle), axis)
+        E = (vector[0], vector[1], vector[2], math.cos(0.5 * angle))
+        w = al.scale(speed, axis)
+        arm = al.mat_vec(al.E_matrix(E), point)
+        swing = al.cross(w, arm)
+        return al.sub(point, arm), al.neg(swing), al.neg(al.cross(w, swing)), E, w, al.ZERO3
+
+    if kind == GROUND_ORBIT:
+        axes = (al.vec_at(m.drive_value, at), al.vec_at(m.drive_value, at + 3), al.vec_at(m.drive_value, at + 6))
+        radius = m.drive_value[at + 9]
+        rate = m.drive_value[at + 10]
+        angle = m.drive_value[at + 11] + rate * t
+        c = math.cos(angle)
+        s = math.sin(angle)
+        r = al.mat_vec(axes, (radius * c, radius * s, 0.0))
+        rd = al.mat_vec(axes, (-radius * rate * s, radius * rate * c, 0.0))
+        rdd = al.scale(-rate * rate, r)
+
+        if m.drive_value[at + 12] == 0.0:
+            return r, rd, rdd, unit, al.ZERO3, al.ZERO3
+
+        E = al.E_product(al.matrix_E(axes), (0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle)))
+        return r, rd, rdd, E, al.mat_vec(axes, (0.0, 0.0, rate)), al.ZERO3
+
+    u = m.drive_at[k]
+
+    if kind == GROUND_TABLE:
+        r, rd, rdd = table_vector(m, u, t)
+        E, w, alpha = rotation_of_table(m, u + 3, t)
+        return r, rd, rdd, E, w, alpha
+
+    s = t - d.time[0]
+    rdd = al.vec_at(d.u_buffer, u + 6)
+    rd = al.axpy(s, rdd, al.vec_at(d.u_buffer, u + 3))
+    r = al.axpy(s, al.axpy(0.5 * s, rdd, al.vec_at(d.u_buffer, u + 3)), al.vec_at(d.u_buffer, u))
+    alpha = al.vec_at(d.u_buffer, u + 16)
+    w = al.axpy(s, alpha, al.vec_at(d.u_buffer, u + 13))
+    return r, rd, rdd, turned_by_input(d, u, s), w, alpha
+
+
+@inlined
+def turned_by_input(d, u, s):
+    """E at time s of the communication step: that of the inputs, turned by w s + w' s^2 / 2. Unit when E has no length."""
+    E = al.E_at(d.u_buffer, u + 9)
+    length = math.sqrt(al.E_dot(E, E))
+
+    if not length > 0.0:
+        return (0.0, 0.0, 0.0, 1.0)
+
+    turn = al.axpy(0.5 * s, al.vec_at(d.u_buffer, u + 16), al.vec_at(d.u_buffer, u + 13))
+    turn = al.scale(s, turn)
+    angle = al.norm(turn)
+    axis = al.scale(math.sin(0.5 * angle) / angle if angle > 0.0 else 0.0, turn)
+    swing = (axis[0], axis[1], axis[2], math.cos(0.5 * angle))
+    return al.E_product(swing, al.E_scale(1.0 / length, E))
+
+
+@kernel
+def prescribe(m, d):
+    """Write what drives ask for now into the positions, velocities and accelerations of their joints, which are held."""
+    for k in range(m.n_drive):
+        i = m.drive_body[k]
+
+        if i < 0:
+            continue
+
+        q = m.body_q[i]
+        v = m.n_q + m.body_v[i]
+        d.held[i] = 1.0
+
+        if m.drive_kind[k] < GROUND_ACCELERATION:
+            position, rate, acceleration = target(m, d, k)
+            d.x[q] = position
+            d.x[v] = rate
+            d.x_rate[v] = acceleration
+        else:
+            r, rd, rdd, E, w, alpha = ground_motion(m, d, k)
+            al.set_vec_at(d.x, q, r)
+            al.set_E_at(d.x, q + 3, E)
+            al.set_vec_at(d.x, v, rd)
+            al.set_vec_at(d.x, v + 3, w)
+            al.set_vec_at(d.x_rate, v, rdd)
+            al.set_vec_at(d.x_rate, v + 3, alpha)
+
+
+@kernel
+def advance_inputs(m, d, H):
+    """Inputs that prescribe motion, carried to the end of a communication step of H (s) for outputs there."""
+    for k in range(m.n_drive):
+        u = m.drive_at[k]
+
+        if m.drive_kind[k] == INPUT:
+            position, rate, _ = extrapolated(d, u, H)
+            d.u_buffer[u] = position
+            d.u_buffer[u + 1] = rate
+
+        elif m.drive_kind[k] == GROUND_INPUT:
+            E = turned_by_input(d, u, H)
+            rdd = al.vec_at(d.u_buffer, u + 6)
+            rd = al.vec_at(d.u_buffer, u + 3)
+            r = al.axpy(H, al.axpy(0.5 * H, rdd, rd), al.vec_at(d.u_buffer, u))
+            al.set_vec_at(d.u_buffer, u, r)
+            al.set_vec_at(d.u_buffer, u + 3, al.axpy(H, rdd, rd))
+            al.set_E_at(d.u_buffer, u + 9, E)
+            w = al.axpy(H, al.vec_at(d.u_buffer, u + 16), al.vec_at(d.u_buffer, u + 13))
+            al.set_vec_at(d.u_buffer, u + 13, w)
