@@ -1,0 +1,444 @@
+"""Reactions, accelerations, momenta, measures: closed forms, Newton and Euler, differences, other formulations; and as an FMU."""
+
+import fmpy
+import numpy as np
+import pytest
+from hypothesis import given
+from maximal import loads, marker_motion, start_motions
+from scenes import assert_near, body_motion, evaluate, examples, inputs_of, random_instance, trees
+
+from mbdfmi.export import export_fmu
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene, fmi_name
+from mbdfmi.simulate import Instance, simulate
+
+REACTIONS = ["reaction_force", "reaction_moment"]
+SOLVER = {"tolerance": 1e-12}
+
+
+def named_outputs(instance):
+    """Outputs now by name, arrays as one."""
+    values = {}
+
+    for v, value in zip(instance.model.of_causality("output"), instance.outputs()):
+        values.setdefault(v.name.partition("[")[0], []).append(value)
+
+    return {name: np.array(value) for name, value in values.items()}
+
+
+def with_outputs(scene):
+    """A scene whose joints tell their reactions."""
+    joints = {
+        name: joint if joint.kind == "free" else joint.model_copy(update={"output": REACTIONS})
+        for name, joint in scene.joint.items()
+    }
+    return scene.model_copy(update={"joint": joints})
+
+
+# reactions: closed forms
+
+
+def test_tension_of_a_pendulum():
+    m, l, angle, w = 2.0, 0.7, 0.6, 3.0
+    scene = Scene.model_validate(
+        {
+            "name": "pendulum",
+            "body": {"bob": {"mass": m, "com": [0, 0, -l], "inertia": [0.1, 0.1, 0.1]}},
+            "joint": {
+                "pin": {
+                    "revolute": {"axis": "y"},
+                    "between": ["ground", "bob"],
+                    "start": {"angle": angle, "speed": w},
+                    "output": REACTIONS,
+                }
+            },
+        }
+    )
+    found = named_outputs(Instance(compile_scene(scene)))
+    g, I = 9.81, 0.1 + m * l * l
+    along = np.array([np.sin(angle), 0, np.cos(angle)])
+    across = np.array([np.cos(angle), 0, -np.sin(angle)])
+    tension = m * g * np.cos(angle) + m * l * w**2
+
+    # the bob's own acceleration across takes the rest of its weight
+    shear = m * g * (m * l * l / I - 1) * np.sin(angle)
+    assert_near(found["pin.reaction_force"], tension * along + shear * across, 1e-13)
+    assert_near(found["pin.reaction_moment"], 0, 1e-13)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_cantilever_of_fixed_parts(reverse):
+    """Parts held together one behind another: each joint bears what is beyond it. No freedom is left."""
+    masses, length, n = [3.0, 2.0, 1.0], 0.5, 3
+    body = {
+        f"part {k}": {
+            "mass": mass,
+            "com": [length / 2, 0, 0],
+            "inertia": [0, 0.1, 0.1],
+            "marker": {"end": {"position": [length, 0, 0]}},
+        }
+        for k, mass in enumerate(masses)
+    }
+    joint = {}
+
+    for k in range(n):
+        ends = ["ground" if k == 0 else f"part {k - 1}.end", f"part {k}"]
+        joint[f"weld {k}"] = {"fixed": {}, "between": ends[::-1] if reverse else ends, "output": REACTIONS}
+
+    found = named_outputs(Instance(compile_scene(Scene.model_validate({"name": "beam", "body": body, "joint": joint}))))
+    sign = -1 if reverse else 1
+
+    for k in range(n):
+        weight = 9.81 * np.array(masses[k:])
+        arms = length * (np.arange(n - k) + 0.5)
+        name = fmi_name(f"weld {k}")
+        assert_near(found[f"{name}.reaction_force"], [0, 0, sign * weight.sum()], 1e-13)
+        assert_near(found[f"{name}.reaction_moment"], [0, -sign * weight @ arms, 0], 1e-13)
+
+
+def test_multiplier_and_reaction_of_a_rod():
+    """A massless rod's tension: m g cos + m l w^2, in the multiplier and in the reaction of both formulations."""
+    l, m, w = 1.3, 2.0, 0.9
+    angle = 0.4
+    at = l * np.array([np.sin(angle), 0, -np.cos(angle)])
+    v = l * w * np.array([np.cos(angle), 0, np.sin(angle)])
+    scene = {
+        "name": "rod",
+        "output": ["multipliers", "constraint_gap", "constraint_rate"],
+        "body": {"bob": {"mass": m, "inertia": [0, 0, 0]}},
+        "joint": {
+            "way": {
+                "translation": {},
+                "between": ["ground", "bob"],
+                "start": {"position": at.tolist(), "velocity": v.tolist()},
+            },
+            "rod": {"distance": {"length": l}, "between": ["ground", "bob"], "output": REACTIONS},
+        },
+    }
+    found = named_outputs(Instance(compile_scene(Scene.model_validate(scene))))
+    tension = m * 9.81 * np.cos(angle) + m * l * w * w
+    assert_near(found["multipliers"], [-tension], 1e-12)
+    assert_near(found["rod.reaction_force"], -tension * at / l, 1e-12)
+    assert_near(found["rod.reaction_moment"], 0, 1e-12)
+    assert found["constraint_gap"] < 1e-15 and found["constraint_rate"] < 1e-14
+
+
+# reactions: Newton and Euler
+
+
+@examples
+@given(trees(added_mass=False))
+def test_reactions_are_what_newton_and_euler_miss(case):
+    """For every body: loads beside the joints and the reactions of its joints give its accelerations."""
+    scene = case.scene()
+    instance = random_instance(with_outputs(scene))
+    found = {name: value.copy() for name, value in named_outputs(instance).items()}
+    evaluate(instance)
+    motion = body_motion(instance, accelerated=True)
+    motions = start_motions(scene)
+    bare = {
+        name: joint.model_copy(
+            update={key: value for key, value in (("spring", None), ("damper", 0.0)) if key in type(joint).model_fields}
+        )
+        for name, joint in scene.joint.items()
+    }
+    inputs = {name: value for name, value in inputs_of(instance).items() if "joint" not in name}
+    applied = loads(scene.model_copy(update={"joint": bare}), motions, inputs)
+    size = 1.0
+
+    for name, joint in scene.joint.items():
+        if joint.kind == "free":
+            # its efforts are inputs of nobody
+            continue
+
+        (first, (_, A, _, _)), (second, (r, _, _, _)) = (marker_motion(scene, motions, end) for end in joint.between)
+        force, moment = (A @ found[f"{fmi_name(name)}.{output}"] for output in REACTIONS)
+        applied.pair(first, second, r, force, moment)
+        size = max(size, np.abs(force).max(), np.abs(moment).max())
+
+    for name, body in scene.body.items():
+        mass, _, inertia = body.mass_properties()
+        _, A, w, _, alpha, a = motion[name]
+        J = A @ inertia @ A.T
+        assert_near(applied.force[name], mass * a, 1e-11 * size)
+        assert_near(applied.moment[name], J @ alpha + np.cross(w, J @ w), 1e-11 * size)
+
+
+def four_bar(**solver):
+    """A spatial loop of one freedom that determines its reactions (revolute, spherical, universal, revolute), with something
+    in every revolute joint, a second revolute on the way and an input.
+    """
+    bar = {"mass": 1.0, "inertia": [0.02, 0.03, 0.04]}
+    return Scene.model_validate(
+        {
+            "name": "four bar",
+            "solver": solver,
+            "output": ["total_energy", "constraint_gap"],
+            "ground": {"marker": {"far": {"position": [1.0, 0.1, 0.0]}}},
+            "body": {
+                "crank": bar | {"com": [0, 0, 0.2], "marker": {"tip": {"position": [0, 0, 0.4]}}},
+                "coupler": bar | {"com": [0.5, 0, 0], "marker": {"tip": {"position": [1.0, 0, 0]}}},
+                "rocker": bar | {"com": [0, 0, 0.3], "marker": {"tip": {"position": [0, 0, 0.6]}}},
+            },
+            "joint": {
+                "a": {
+                    "revolute": {"axis": [0.1, 1, 0]},
+                    "between": ["ground", "crank"],
+                    "start": {"angle": 0.3, "speed": 2.0},
+                    "input": "torque",
+                    "friction": {"coulomb": 0.3, "smoothing_speed": 0.1},
+                    "output": REACTIONS + ["angle"],
+                },
+                "b": {"spherical": {}, "between": ["coupler", "crank.tip"], "input": "torque", "output": REACTIONS},
+                "c": {
+                    "universal": {"axes": ["y", "z"]},
+                    "between": ["coupler.tip", "rocker.tip"],
+                    "output": REACTIONS,
+                },
+                "d": {
+                    "revolute": {"axis": "y"},
+                    "between": ["rocker", "ground.far"],
+                    "spring": {"stiffness": 4.0, "rest": 0.2},
+                    "damper": 0.5,
+                    "stop": {"upper": -0.5, "stiffness": 30.0},
+                    "output": REACTIONS,
+                },
+            },
+        }
+    )
+
+
+def test_reactions_do_not_depend_on_where_the_loop_is_cut():
+    found = []
+
+    for formulation in ("recursive", "embedding", "augmented"):
+        instance = Instance(compile_scene(four_bar(formulation=formulation, tolerance=1e-12)))
+        instance.u[:4] = [3.0, 0.3, -0.4, 0.5]
+        outputs = [named_outputs(instance)]
+        instance.step(0.4)
+        outputs.append(named_outputs(instance))
+        found.append(outputs)
+
+    for others in found[1:]:
+        for before, after in zip(found[0], others):
+            for name, value in before.items():
+                assert_near(after[name], value, 1e-8 * max(1, np.abs(value).max()))
+
+
+# accelerations, momenta, measures
+
+
+def everything():
+    """A scene with every output and force element."""
+    inertia = [0.3, 0.4, 0.5]
+    seen = ["position", "velocity", "acceleration", "omega", "alpha", "acceleration_body", "alpha_body", "velocity_body"]
+    return Scene.model_validate(
+        {
+            "name": "everything",
+            "solver": SOLVER,
+            "output": [
+                "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
+                "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap", "constraint_rate", "multipliers",
+            ],
+            "ground": {"marker": {"peg": {"position": [0.5, 1.0, 0.2]}}},
+            "body": {
+                "a": {"mass": 2.0, "com": [0, 0, -0.3], "inertia": inertia, "marker": {"m": {"position": [0.1, 0, -0.6]}}},
+                "b": {
+                    "mass": 1.0,
+                    "com": [0.1, 0, -0.2],
+                    "inertia": inertia,
+                    "output": seen + ["omega_body"],
+                    "marker": {"m": {"position": [0, 0.1, -0.5], "zyx_deg": [20, 30, 40], "output": seen}},
+                },
+                "c": {"mass": 0.5, "inertia": inertia, "marker": {"m": {"position": [0.2, 0, 0]}}},
+                "d": {"mass": 0.7, "inertia": inertia},
+            },
+            "joint": {
+                "ja": {
+                    "revolute": {"axis": "y"},
+                    "between": ["ground", "a"],
+                    "start": {"angle": 0.4, "speed": 0.5},
+                    "spring": {"table": {"position": [-1, 0, 1], "effort": [-5, 0, 9]}},
+                    "damper": {"table": {"speed": [-2, 0, 2], "effort": [-0.4, 0, 0.6]}},
+                    "input": "torque",
+                    "output": ["angle", "speed", "acceleration", *REACTIONS],
+                },
+                "jb": {"spherical": {}, "between": ["a.m", "b"], "start": {"omega": [1, 2, 0.5]}, "output": REACTIONS},
+                "weld": {"fixed": {}, "between": ["b.m", "c"], "output": REACTIONS},
+                "jd": {
+                    "prismatic": {"axis": [1, 0, 1]},
+                    "between": ["ground", "d"],
+                    "start": {"position": 0.3, "speed": 1.0},
+                    "friction": {"coulomb": 0.5, "static": 0.8, "viscous": 0.1, "smoothing_speed": 0.05},
+                    "stop": {"lower": -0.5, "upper": 0.5, "stiffness": 300.0, "damping": 2.0},
+                    "output": REACTIONS,
+                },
+                "rod": {"distance": {}, "between": ["d", "c.m"], "output": REACTIONS},
+            },
+            "force": {
+                "strut": {
+                    "spring_damper": {"table": {"length": [0.5, 1, 2], "force": [-4, 0, 6]}, "damping": 0.2},
+                    "between": ["ground.peg", "b"],
+                    "input": "force",
+                    "output": ["length", "rate"],
+                },
+                "bush": {"bushing": {"stiffness": [1, 2, 3, 4, 5, 6], "damping": [0.1] * 6}, "between": ["a", "c"]},
+                "steady": {"load": {"force": [0.1, 0.2, 0.3], "moment": [0.3, 0.2, 0.1], "axes": "body"}, "on": "b.m"},
+                "gust": {
+                    "load": {"table": {"time": [0, 0.1, 0.3], "force": [[0, 0, 0], [2, 1, 0], [0, 0, 1]]}},
+                    "on": "c",
+                },
+            },
+            "measure": {
+                "m": {
+                    "between": ["a.m", "c.m"],
+                    "output": [
+                        "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters",
+                        "zyx", "omega",
+                    ],
+                }
+            },
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def everything_model():
+    return compile_scene(everything())
+
+
+def test_rates_are_the_slopes_of_what_they_are_rates_of(everything_model):
+    """Five-point differences along a run."""
+    h, n = 1e-3, 5
+    run = simulate(everything_model, 0.05, h, inputs={"ja.torque": 2.0, "strut.force": 1.5})
+    at = np.arange(n, 50 - n)
+
+    def columns(name):
+        names = [key for key in run if key.partition("[")[0] == name]
+        return np.column_stack([run[key] for key in names])
+
+    def slopes(name):
+        y = columns(name)
+        steps = np.array([-1, 9, -45, 45, -9, 1]) / (60 * h)
+        return sum(step * y[at + k] for step, k in zip(steps, (-3, -2, -1, 1, 2, 3)))
+
+    pairs = {
+        "b.position": "b.velocity",
+        "b.velocity": "b.acceleration",
+        "b.omega": "b.alpha",
+        "b.omega_body": "b.alpha_body",
+        "b.m.velocity": "b.m.acceleration",
+        "b.m.omega": "b.m.alpha",
+        "ja.angle": "ja.speed",
+        "ja.speed": "ja.acceleration",
+        "m.distance": "m.distance_rate",
+        "m.position": "m.velocity",
+        "m.velocity": "m.acceleration",
+        "strut.length": "strut.rate",
+    }
+
+    for value, rate in pairs.items():
+        expected = columns(rate)[at]
+        assert_near(slopes(value), expected, 2e-6 * max(1, np.abs(expected).max()))
+
+    # the same vectors in other axes
+    for name in ("b", "b.m"):
+        for quantity in ("acceleration", "alpha"):
+            lengths = [np.linalg.norm(columns(f"{name}.{quantity}{axes}"), axis=1) for axes in ("", "_body")]
+            assert_near(*lengths, 1e-11)
+
+    momentum = 4.2 * slopes("center_of_mass")
+    assert_near(columns("linear_momentum")[at], momentum, 1e-7)
+    whole = sum(run[f"{kind}_energy"] for kind in ("kinetic", "gravity", "spring"))
+    assert_near(run["total_energy"], whole, 1e-12)
+    assert_near(run["potential_energy"], run["gravity_energy"] + run["spring_energy"], 1e-12)
+    assert run["constraint_gap"].max() < 1e-12 and run["constraint_rate"].max() < 1e-11
+
+
+def test_measures_by_hand(everything_model):
+    found = named_outputs(Instance(everything_model))
+    assert_near(found["m.distance"], np.linalg.norm(found["m.position"]), 1e-15)
+    yaw, pitch, roll = found["m.zyx"]
+    assert_near(found["m.angle"], np.arccos(np.cos(pitch) * np.cos(roll)), 1e-14)
+    rate = found["m.position"] @ found["m.velocity"] / found["m.distance"]
+    assert_near(found["m.distance_rate"], rate, 1e-14)
+
+
+@examples
+@given(trees(floating=True, added_mass=False))
+def test_momentum_is_kept_without_the_world(case):
+    """No gravity, no force to the ground: the momenta keep, and the centre of mass goes straight."""
+    scene = case.scene().model_copy(
+        update={"gravity": (0.0, 0.0, 0.0), "output": ["linear_momentum", "angular_momentum", "center_of_mass"]}
+    )
+    instance = random_instance(scene)
+    first = named_outputs(instance)
+    instance.step(0.02)
+    last = named_outputs(instance)
+    mass = sum(body.mass_properties()[0] for body in scene.body.values())
+
+    for name in ("linear_momentum", "angular_momentum"):
+        assert_near(last[name], first[name], 1e-6 * max(1, np.abs(first[name]).max()))
+
+    moved = first["center_of_mass"] + 0.02 * first["linear_momentum"] / mass
+    assert_near(last["center_of_mass"], moved, 1e-7)
+
+
+# dependencies, FMU
+
+
+def test_outputs_depend_on_what_they_feel_at_once(everything_model):
+    variables = everything_model.variables
+    inputs = {v.name: k for k, v in enumerate(variables) if v.causality == "input"}
+    depends = {v.name: {variables[k].name for k in v.depends} for v in variables if v.causality == "output"}
+    everyone = set(inputs)
+
+    for name, found in depends.items():
+        felt = any(word in name for word in ("accel", "alpha", "reaction", "multiplier"))
+        assert found == (everyone if felt else set()), name
+
+    model = compile_scene(
+        Scene.model_validate(
+            {
+                "name": "two",
+                "body": {name: {"mass": 1, "inertia": [0, 0, 0]} for name in ("a", "b")},
+                "joint": {
+                    name: {
+                        "prismatic": {},
+                        "between": ["ground", name[1]],
+                        "input": "force",
+                        "output": ["position", "reaction_force"],
+                        "start": {"position": k},
+                    }
+                    for k, name in enumerate(("ja", "jb"))
+                },
+            }
+        )
+    )
+    depends = {v.name: v.depends for v in model.of_causality("output")}
+    assert depends["ja.position"] == depends["jb.position"] == ()
+    assert depends["ja.reaction_force[1]"] == (0,) and depends["jb.reaction_force[3]"] == (1,)
+
+
+def test_a_reaction_tells_what_its_dependencies_say(everything_model):
+    """Outputs without dependencies do not change with the inputs, the others do (all but what is zero by nature)."""
+    instance = Instance(everything_model)
+    before = instance.outputs().copy()
+    instance.u[:2] = [3.0, -2.0]
+    changed = instance.outputs() != before
+    depends = np.array([bool(v.depends) for v in everything_model.of_causality("output")])
+    assert not np.any(changed & ~depends)
+    assert np.sum(changed & depends) > 0.8 * np.sum(depends)
+
+
+def test_fmu_says_the_same(everything_model, tmp_path):
+    fmu = export_fmu(everything_model, tmp_path / "everything.fmu")
+    inputs = {"ja.torque": 2.0, "strut.force": 1.5}
+    H, n = 1 / 64, 32
+    signals = np.array([(0.0, *inputs.values()), (1.0, *inputs.values())], [("time", float), *((k, float) for k in inputs)])
+    there = fmpy.simulate_fmu(str(fmu), stop_time=n * H, output_interval=H, input=signals, start_values=inputs)
+    inside = simulate(everything_model, n * H, H, inputs=inputs)
+
+    for v in everything_model.of_causality("output"):
+        scale = np.abs(inside[v.name]).max() + 1
+        assert_near(there[v.name], inside[v.name], 1e-12 * scale)
