@@ -74,7 +74,6 @@ def bias(m, d, k):
     if m.coordinate_kind[k] == IN_TREE:
         return 0.0
 
-    d.coordinate_effort[k] += effort
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
     body_a = m.marker_body[a]
@@ -124,6 +123,7 @@ def add_effort(m, d, k, effort):
         d.tau[m.body_v[m.coordinate_body[k]]] += effort
         return
 
+    d.coordinate_effort[k] += effort
     moment_a, force_a, moment_b, force_b = wrenches(m, d, k, effort)
     body_a = m.marker_body[m.coordinate_from[k]]
     body_b = m.marker_body[m.coordinate_to[k]]
