@@ -7,21 +7,39 @@ is applied to them; for one that closes a loop, its rows' wrenches times their m
 """
 
 from . import algebra as al
-from . import coordinates, forces, markers, tree
+from . import coordinates, forces, markers, rows, tree
 from .language import inlined, kernel
+
+
+@inlined
+def add_coupling_efforts(m, d, row, factor):
+    """Efforts of a coupling, or of a drive of a joint that closes a loop, in the joints that it acts in."""
+    if m.row_i[row] >= 0:
+        coordinates.add_effort(m, d, m.row_i[row], factor * m.row_value[2 * row])
+
+    if m.row_j[row] >= 0:
+        coordinates.add_effort(m, d, m.row_j[row], factor * m.row_value[2 * row + 1])
 
 
 @kernel
 def find_joint_wrenches(m, d):
-    """`tree.joint_wrenches` with the constraints' wrenches; needs accelerations and multipliers."""
+    """`tree.joint_wrenches` with the constraints' wrenches; needs accelerations and multipliers.
+
+    Leaves in tau and coordinate_effort what acts along the joints' coordinates beside the drives of joints in the tree.
+    """
     tree.inertias(m, d)
     forces.apply(m, d)
 
     for row in range(m.n_row):
         c = m.row_constraint[row]
+        factor = d.multiplier[row]
+
+        if m.row_kind[row] == rows.COUPLING:
+            add_coupling_efforts(m, d, row, factor)
+            continue
+
         a = m.marker_body[m.constraint_from[c]]
         b = m.marker_body[m.constraint_to[c]]
-        factor = d.multiplier[row]
         al.add_vec3(d.moment, a, al.scale(factor, al.vec3(d.row_moment_from, row)))
         al.add_vec3(d.force, a, al.scale(factor, al.vec3(d.row_force_from, row)))
         al.add_vec3(d.moment, b, al.scale(factor, al.vec3(d.row_moment_to, row)))
