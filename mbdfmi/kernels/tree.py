@@ -235,7 +235,7 @@ def aba(m, d):
                 most = M[0] + M[1] + M[2]
 
             if not D > al.ROUNDING * most:
-                return no_inertia(d.D[6 * i], i)
+                return no_inertia(d.I_a[6 * i], i)
 
             al.set_vec3(d.U_w, i, U_w)
             al.set_vec3(d.U_r, i, U_r)
@@ -263,7 +263,7 @@ def aba(m, d):
             F = al.sym_factor(I)
 
             if not al.sym_is_positive(F):
-                return no_inertia(F[0] + F[1] + F[2], i)
+                return no_inertia(I[0] + I[1] + I[2], i)
 
             al.set_sym3(d.D, i, F)
             al.set_vec3(d.effort, i, effort3)
@@ -286,7 +286,7 @@ def aba(m, d):
             al.set_vec3(d.U_r, i, al.sub(push, force))
 
             if not free_factor(d, i):
-                return no_inertia(d.D[6 * i], i)
+                return no_inertia(d.I_a[6 * i], i)
 
             if parent > 0:
                 add_shifted_wrench(d, parent, arm, torque, push)
