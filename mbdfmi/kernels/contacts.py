@@ -418,12 +418,19 @@ def start(m, d):
 
 
 @inlined
-def aim(m, d, given):
-    """Aim contacts at their parameters where these were given, or no longer. Returns how many are."""
-    aimed = 0
+def aim(m, d):
+    """Aim contacts at their parameters where these were given. Returns whether there are any."""
+    aimed = False
 
     for k in range(m.n_contact):
-        d.aim[k] = 1.0 if given and m.contact_given[k] == 1 else 0.0
-        aimed += m.contact_given[k]
+        d.aim[k] = float(m.contact_given[k])
+        aimed = aimed or m.contact_given[k] == 1
 
     return aimed
+
+
+@inlined
+def release(m, d):
+    """Contacts no longer aimed."""
+    for k in range(m.n_contact):
+        d.aim[k] = 0.0

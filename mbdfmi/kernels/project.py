@@ -175,18 +175,24 @@ def start_x(m, d):
         d.x[k] = d.x_before[k]
 
 
-@inlined
+@kernel
 def close_loops(m, d, what):
-    """Positions onto the constraints, with joints held as `hold` says; first to given parameters of contacts. Returns a status."""
-    hold(m, d, what)
+    """Positions onto the constraints, with joints held as `hold` says. Returns a status.
 
-    if contacts.aim(m, d, True) > 0:
-        if project_positions(m, d, GAP_ALLOWED) != OK:
+    First to where contacts have their given parameters; where that cannot be, these are near which to begin.
+    """
+    hold(m, d, what)
+    aimed = contacts.aim(m, d)
+    failure = project_positions(m, d, GAP_ALLOWED)
+
+    if aimed:
+        if failure != OK:
             start_x(m, d)
 
-        contacts.aim(m, d, False)
+        contacts.release(m, d)
+        failure = project_positions(m, d, GAP_ALLOWED)
 
-    return project_positions(m, d, GAP_ALLOWED)
+    return failure
 
 
 @kernel
@@ -236,7 +242,7 @@ def assemble(m, d):
     return OK
 
 
-@inlined
+@kernel
 def find_redundant(m, d):
     """Mark rows that follow from others not just here but in every position: they are dropped at a position nearby too.
 
