@@ -240,6 +240,7 @@ def _add_coordinate_outputs(builder, name, output, names, nodes):
             position: (outputs.COORDINATE, unit),
             speed: (outputs.RATE, f"{unit}/s"),
             "acceleration": (outputs.ACCELERATION, f"{unit}/s2"),
+            "effort": (outputs.DRIVE_EFFORT, "N.m" if unit == "rad" else "N"),
         }
 
         if output in kinds:

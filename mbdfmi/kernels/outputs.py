@@ -37,6 +37,8 @@ STRUT_FORCE = 19
 # of reaction a
 REACTION_FORCE = 20
 REACTION_MOMENT = 21
+# of joint coordinate a
+DRIVE_EFFORT = 35
 # of row a
 MULTIPLIER = 22
 # of the whole scene
@@ -65,7 +67,7 @@ NEED_ROWS = 2
 NEED_ACCELERATIONS = 4
 NEED_REACTIONS = 8
 
-REACTS = {REACTION_FORCE, REACTION_MOMENT}
+REACTS = {REACTION_FORCE, REACTION_MOMENT, DRIVE_EFFORT}
 ACCELERATES = {ACCELERATION, ALPHA, LINEAR_ACCELERATION, ALPHA_BODY, LINEAR_ACCELERATION_BODY, MULTIPLIER} | REACTS
 NEEDS = {
     NEED_INERTIAS: {
@@ -230,6 +232,9 @@ def write_outputs(m, d, y):
         elif kind == CONTACT_RATE:
             rate1, rate2 = contacts.rates(m, d, a)
             y[at] = rate1 if b == 0 else rate2
+
+        elif kind == DRIVE_EFFORT:
+            y[at] = reactions.drive_effort(m, d, a)
 
         elif kind == MULTIPLIER:
             y[at] = d.multiplier[a]

@@ -7,7 +7,7 @@ is applied to them; for one that closes a loop, its rows' wrenches times their m
 """
 
 from . import algebra as al
-from . import coordinates, forces, markers, rows, tree
+from . import coordinates, forces, joints, markers, rows, tree
 from .language import inlined, kernel
 
 
@@ -113,3 +113,24 @@ def reaction(m, d, k):
         moment = al.add(moment, al.vec_at(d.input, m.wrench_moment[m.reaction_input[k]]))
 
     return moment, al.matT_vec(A, force)
+
+
+@inlined
+def drive_effort(m, d, k):
+    """Effort (N m or N) with which a drive holds coordinate k to its motion, beside all else that acts along it.
+
+    Needs find_joint_wrenches.
+    """
+    if m.coordinate_kind[k] == coordinates.IN_TREE:
+        i = m.coordinate_body[k]
+        S_w, S_r = joints.subspace(m, d, i, 0)
+        borne = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
+        return borne - d.tau[m.body_v[i]]
+
+    effort = 0.0
+
+    for row in range(m.n_row):
+        if m.row_kind[row] == rows.COUPLING and m.row_drive[row] >= 0 and m.row_i[row] == k:
+            effort += m.row_value[2 * row] * d.multiplier[row]
+
+    return effort
