@@ -122,7 +122,7 @@ def test_units_are_products_of_their_parts():
         total = np.zeros(4, int)
         for sign, part in zip((1, -1), name.split("/")):
             for factor in part.split("."):
-                base, power = re.fullmatch(r"([a-zA-Z]+)(\d?)", factor).groups()
+                base, power = re.fullmatch(r"(1|[a-zA-Z]+)(\d?)", factor).groups()
                 total += sign * int(power or 1) * np.array(UNITS[base][:4])
         assert tuple(total) == unit[:4], name
 
