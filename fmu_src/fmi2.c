@@ -225,11 +225,11 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
 
     for (size_t i = 0; i < nvr; i++) {
         c->current = false;
+        if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
         if (is_input(c, vr[i])) c->u[vr[i]] = value[i];
         else {
             c->reals[c->resource.param_index[parameter_of(c, vr[i])]] = value[i];
             c->core->prepared = 0;
-            if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
         }
     }
     return fmi2OK;

@@ -157,6 +157,7 @@ void instance_reset(Instance *c)
     memset(c->core, 0, c->core_size);
     memset(c->work, 0, (size_t)r->n_work*sizeof(double));
     memcpy(c->reals, r->reals, (size_t)r->n_reals*sizeof(double));
+    memcpy(c->u, r->u_start, (size_t)r->n_u*sizeof(double));
     c->core->stop_time = INFINITY;
     c->core->mode = INSTANTIATED;
     c->current = false;
@@ -171,15 +172,16 @@ fmi2Status instance_prepare(Instance *c)
     const int64_t *ints = c->resource.ints;
 
     if (!c->core->prepared) {
-        int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, c->state, c->work);
+        int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, ints, c->state,
+                                        c->work, c->u);
         fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
         if (result != fmi2OK) return result;
         c->core->prepared = 1;
     }
 
     if (!c->core->started) {
-        int32_t broken = mbdfmi_initialise(&status, &excinfo, ints, c->reals, c->state, c->work,
-                                           c->core->start_time);
+        int32_t broken = mbdfmi_initialise(&status, &excinfo, ints, c->reals, ints, c->state,
+                                           c->work, c->u, c->core->start_time);
         fmi2Status result = report(c, fmi2Error, "initialisation", broken, status);
         if (result != fmi2OK) return result;
         c->core->started = 1;
@@ -196,8 +198,8 @@ fmi2Status instance_outputs(Instance *c)
 
     void *excinfo;
     int64_t status = 0;
-    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals, c->state,
-                                    c->work, c->u, c->y);
+    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals,
+                                    c->resource.ints, c->state, c->work, c->u, c->y);
 
     result = report(c, fmi2Error, "outputs", broken, status);
     c->current = result == fmi2OK;
@@ -232,8 +234,8 @@ fmi2Status instance_step(Instance *c, double t, double H)
     void *excinfo;
     int64_t status = 0;
     double before = c->state[0];
-    int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->state, c->work,
-                                 c->u, H);
+    int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
+                                 c->state, c->work, c->u, H);
 
     result = report(c, fmi2Discard, "step", broken, status);
     c->current = false;

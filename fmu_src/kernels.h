@@ -10,7 +10,7 @@
            prepare derives from the parameters too
    work    scratch, zero at first
    u       3*n_u: values of the inputs, then their first, then their second derivatives
-           at the start of the step
+           at the start of the step; those that prescribe a motion are carried to its end
    y       n_y outputs
 */
 #ifndef MBDFMI_KERNELS_H
@@ -20,18 +20,19 @@
 
 /* after any change of a parameter, before anything else uses it */
 int32_t mbdfmi_prepare(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
-                       double *state, double *work);
+                       const int64_t *ints_again, double *state, double *work, double *u);
 
 /* start values -> state at the time t0 (s) */
 int32_t mbdfmi_initialise(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
-                          double *state, double *work, double t0);
+                          const int64_t *ints_again, double *state, double *work, double *u,
+                          double t0);
 
 /* advances by H (s); on failure the state is that of the last accepted inner step */
 int32_t mbdfmi_step(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
-                    double *state, double *work, const double *u, double H);
+                    const int64_t *ints_again, double *state, double *work, double *u, double H);
 
 /* y at the present state */
 int32_t mbdfmi_outputs(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
-                       double *state, double *work, const double *u, double *y);
+                       const int64_t *ints_again, double *state, double *work, double *u, double *y);
 
 #endif

@@ -14,7 +14,7 @@
 #endif
 
 #define FILE_NAME "model.bin"
-#define VERSION 1
+#define VERSION 2
 #define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
 
 static const char MAGIC[8] = "mbdfmi\0\1";
@@ -189,7 +189,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     memcpy(r->guid, sizes.guid, GUID_SIZE);
 
     /* numbers: 8 bytes each; strings: at least their NUL */
-    int64_t n_numbers = r->n_ints + r->n_reals + 2*r->n_param;
+    int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2*r->n_param;
     int64_t n_names = r->n_u + r->n_y + r->n_param;
     int64_t n_strings = n_names + r->n_places + 2*r->n_messages;
     int64_t room = (int64_t)(length - sizeof sizes);
@@ -200,7 +200,8 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     const unsigned char *data = r->data + sizeof sizes;
     r->ints = (const int64_t *)data;
     r->reals = (const double *)(data + 8*r->n_ints);
-    r->param_index = (const int64_t *)(r->reals + r->n_reals);
+    r->u_start = r->reals + r->n_reals;
+    r->param_index = (const int64_t *)(r->u_start + r->n_u);
     r->param_tunable = r->param_index + r->n_param;
 
     for (int64_t i = 0; i < r->n_param; i++)

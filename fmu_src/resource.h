@@ -1,11 +1,11 @@
 /* The model that an instance is made of, read from resources/model.bin.
 
    The file, little endian:
-     char magic[8] "mbdfmi\0\1"; uint32 version 1
+     char magic[8] "mbdfmi\0\1"; uint32 version 2
      uint32 crc32 and uint64 length of all that follows
      int64 n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages
      char guid[64]
-     int64 ints[n_ints]; double reals[n_reals]
+     int64 ints[n_ints]; double reals[n_reals]; double u_start[n_u]
      int64 param_index[n_param]; int64 param_tunable[n_param]
      NUL-terminated UTF-8: names of the n_u + n_y + n_param variables, n_places places, and for
      each of the n_messages messages its code in decimal and its text
@@ -25,6 +25,7 @@ typedef struct {
 
     const int64_t *ints;
     const double *reals;              /* start values of an instance's reals */
+    const double *u_start;            /* start values of the inputs */
     const int64_t *param_index;       /* where in reals a parameter is */
     const int64_t *param_tunable;     /* 1: may be set during the simulation */
 

@@ -26,10 +26,17 @@ class SimulationError(Exception):
 class Instance:
     """One run of a model, to be driven step by step.
 
-    m, d : the kernels' views of it; y : outputs (n_y,) after `outputs`.
+    m, d : the kernels' views of it; u : inputs (n_u,), their first and second derivatives; y : outputs (n_y,) after
+    `outputs`. The run begins with the inputs' start values, or with `inputs` (position in u -> value).
     """
 
-    def __init__(self, model: Model, parameters: Mapping[str, float] | None = None, start_time: float = 0.0):
+    def __init__(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] | None = None,
+        start_time: float = 0.0,
+        inputs: Mapping[int, float] | None = None,
+    ):
         self.model = model
         self.reals = model.reals.copy()
         self.u = np.zeros(3 * max(1, model.n_u))
@@ -38,11 +45,15 @@ class Instance:
         state, work = np.zeros(model.n_state), np.zeros(model.n_work)
         self.d = DataView(ints=model.ints, state=state, work=work, u=self.u)
         by_name = {v.name: v for v in model.of_causality("parameter")}
+        self.u[: model.n_u] = [v.start for v in model.of_causality("input")]
+
+        for position, value in (inputs or {}).items():
+            self.u[position] = value
 
         for name, value in (parameters or {}).items():
             self.reals[_known(name, by_name, "parameter").index] = value
 
-        self._check(entry.prepare_model(self.m, self.d))
+        self._check(entry.prepare(self.m, self.d))
         self._check(entry.initialise(self.m, self.d, start_time))
 
     @property
@@ -109,8 +120,9 @@ def simulate(
     steps = np.full(n, step)
     steps[-1] = duration - (n - 1) * step
     times = start_time + np.append(np.arange(n) * step, duration)
-    instance = Instance(model, parameters, start_time)
     signals = _signals(model, inputs or {}, times)
+    first = {position: signal(0) for position, signal in signals}
+    instance = Instance(model, parameters, start_time, first)
     columns = np.empty((n + 1, model.n_u + model.n_y))
 
     for k in range(n + 1):

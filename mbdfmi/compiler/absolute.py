@@ -16,7 +16,7 @@ def start_motion(model):
     m = ModelView(ints=model.ints, reals=model.reals.copy())
     state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(3 * max(1, model.n_u))
     d = DataView(ints=model.ints, state=state, work=work, u=u)
-    entry.prepare_model(m, d)
+    entry.prepare(m, d)
     entry.initialise(m, d, 0.0)
     entry.compute_outputs(m, d, np.zeros(model.n_y))
     r, rd, w = (array.reshape(-1, 3) for array in (d.r, d.rd, d.w))

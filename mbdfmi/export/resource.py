@@ -8,7 +8,7 @@ import numpy as np
 NAME = "model.bin"
 
 _MAGIC = b"mbdfmi\0\1"
-_VERSION = 1
+_VERSION = 2
 
 
 def resource(model, messages: dict[int, str]) -> bytes:
@@ -37,6 +37,7 @@ def resource(model, messages: dict[int, str]) -> bytes:
     body += model.guid.encode().ljust(64, b"\0")
     body += np.asarray(model.ints, dtype="<i8").tobytes()
     body += np.asarray(model.reals, dtype="<f8").tobytes()
+    body += np.array([v.start for v in model.of_causality("input")], dtype="<f8").tobytes()
     body += np.array([v.index for v in parameters], dtype="<i8").tobytes()
     body += np.array([v.variability == "tunable" for v in parameters], dtype="<i8").tobytes()
     body += b"".join(text.encode() + b"\0" for text in strings)

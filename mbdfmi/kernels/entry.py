@@ -1,4 +1,4 @@
-"""What an FMU, or an in-process run, calls. Each entry takes the buffers' addresses and returns a status.
+"""What an FMU, or an in-process run, calls. Each takes m and d and returns a status.
 
 `ENTRIES` is the table that ahead-of-time compiling works from.
 """
@@ -13,7 +13,6 @@ from . import (
     integrate,
     joints,
     outputs,
-    prepare,
     project,
     reactions,
     rows,
@@ -21,14 +20,9 @@ from . import (
     tree,
 )
 from .language import inlined, kernel
+from .prepare import prepare
 from .status import BAD_START_ORIENTATION, OK, status
-from .views import INTS, REALS, data_view, model_view
-
-
-@kernel
-def prepare_model(m, d):
-    """Derive what follows from parameters. To be called after any of them changed. Returns a status."""
-    return prepare.prepare(m, d)
+from .views import DATA, MODEL, REALS
 
 
 @kernel
@@ -109,35 +103,10 @@ def compute_outputs(m, d, y):
     return failure
 
 
-@kernel
-def mbdfmi_prepare(ints, reals, state, work):
-    """`prepare_model` on addresses."""
-    return prepare_model(model_view((ints, reals)), data_view((ints, state, work, work)))
-
-
-@kernel
-def mbdfmi_initialise(ints, reals, state, work, t0):
-    """`initialise` on addresses."""
-    return initialise(model_view((ints, reals)), data_view((ints, state, work, work)), t0)
-
-
-@kernel
-def mbdfmi_step(ints, reals, state, work, u, H):
-    """`step` on addresses."""
-    return step(model_view((ints, reals)), data_view((ints, state, work, u)), H)
-
-
-@kernel
-def mbdfmi_outputs(ints, reals, state, work, u, y):
-    """`compute_outputs` on addresses."""
-    return compute_outputs(model_view((ints, reals)), data_view((ints, state, work, u)), y)
-
-
-_BUFFERS = (INTS, REALS, REALS, REALS)
-
+# in native code a view is the addresses of its buffers, in their order (see views.py)
 ENTRIES = {
-    "mbdfmi_prepare": (mbdfmi_prepare, types.int64(*_BUFFERS)),
-    "mbdfmi_initialise": (mbdfmi_initialise, types.int64(*_BUFFERS, types.float64)),
-    "mbdfmi_step": (mbdfmi_step, types.int64(*_BUFFERS, REALS, types.float64)),
-    "mbdfmi_outputs": (mbdfmi_outputs, types.int64(*_BUFFERS, REALS, REALS)),
+    "mbdfmi_prepare": (prepare, types.int64(MODEL, DATA)),
+    "mbdfmi_initialise": (initialise, types.int64(MODEL, DATA, types.float64)),
+    "mbdfmi_step": (step, types.int64(MODEL, DATA, types.float64)),
+    "mbdfmi_outputs": (compute_outputs, types.int64(MODEL, DATA, REALS)),
 }

@@ -49,7 +49,7 @@ def add_added_mass(m, d, k):
 
 @kernel
 def prepare(m, d):
-    """Node inertias from the solids' and the added masses, into the state. Returns a status."""
+    """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     if not (m.tolerance[0] > 0.0 and m.absolute_tolerance[0] > 0.0):

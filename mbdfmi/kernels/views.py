@@ -15,7 +15,6 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import (
     NativeValue,
-    intrinsic,
     models,
     register_model,
     typeof_impl,
@@ -136,27 +135,3 @@ def _view_attribute(context, builder, typ, value, name):
         return header(COUNTS.index(name))
 
     return builder.gep(getattr(struct, ROW[name].buffer), [header(SLOT[name])])
-
-
-def _view_maker(view_type):
-    names = view_type.view._buffer_names
-
-    @intrinsic
-    def make(typingctx, pointers):
-        def codegen(context, builder, signature, args):
-            struct = cgutils.create_struct_proxy(view_type)(context, builder)
-
-            for k, name in enumerate(names):
-                setattr(struct, name, builder.extract_value(args[0], k))
-
-            return struct._getvalue()
-
-        return view_type(pointers), codegen
-
-    return make
-
-
-model_view = _view_maker(MODEL)
-model_view.__doc__ = "`m` from the addresses (ints, reals), in compiled code."
-data_view = _view_maker(DATA)
-data_view.__doc__ = "`d` from the addresses (ints, state, work, u), in compiled code."
