@@ -215,10 +215,12 @@ def _add_outputs(builder, name, joint):
             add_contact_outputs(builder, name, joint, output)
             continue
 
-        if output in REACTIONS:
-            kind, unit, about = REACTIONS[output]
-            about = f"{about} that {name} passes on to its second marker, in its first marker's axes"
-            builder.add_outputs(dotted(name, output), kind, unit, about, nodes, builder.reaction(name))
+        if output.startswith("reaction"):
+            kind, unit, about = REACTIONS[output.removesuffix("_body")]
+            side = int(output.endswith("_body"))
+            axes = ("its first marker's axes", "that marker's axes")[side]
+            about = f"{about} that {name} passes on to its second marker, in {axes}"
+            builder.add_outputs(dotted(name, output), kind, unit, about, nodes, builder.reaction(name), side)
             continue
 
         if joint.kind in POSES:

@@ -34,7 +34,7 @@ Z_ANGLE = 16
 STRUT_LENGTH = 17
 STRUT_RATE = 18
 STRUT_FORCE = 19
-# of reaction a
+# of reaction a, in the axes of its joint's first marker (b = 0) or second (1)
 REACTION_FORCE = 20
 REACTION_MOMENT = 21
 # of joint coordinate a
@@ -224,7 +224,12 @@ def write_outputs(m, d, y):
 
         elif kind == REACTION_FORCE or kind == REACTION_MOMENT:
             moment, force = reactions.reaction(m, d, a)
-            al.set_vec_at(y, at, force if kind == REACTION_FORCE else moment)
+            seen = force if kind == REACTION_FORCE else moment
+
+            if b == 1:
+                seen = al.matT_vec(markers.relative_axes(m, d, m.reaction_from[a], m.reaction_to[a]), seen)
+
+            al.set_vec_at(y, at, seen)
 
         elif kind == CONTACT_S:
             y[at] = d.x[contacts.parameter(m, a) + b]

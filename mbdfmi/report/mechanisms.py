@@ -80,8 +80,8 @@ def links_of(parents: list[int], seed: int = 0) -> list[Link]:
     return links
 
 
-def scene_of(links: list[Link]) -> Scene:
-    """The scene: body0, body1 ... on joint0, joint1 ..., a torque input on each joint."""
+def scene_of(links: list[Link], formulation: str = "recursive") -> Scene:
+    """The scene: body0, body1 ... on joint0, joint1 ..., a torque input and the acceleration of each joint."""
     ground = {"marker": {}}
     bodies = {}
     joints = {}
@@ -103,7 +103,9 @@ def scene_of(links: list[Link]) -> Scene:
             "between": [f"{owner}.joint{i}", f"body{i}"],
             "start": {"angle": link.angle, "speed": link.speed},
             "input": "torque",
+            "output": ["acceleration"],
         }
 
     name = f"{len(links)} links"
-    return Scene(name=name, gravity=GRAVITY, ground=ground, body=bodies, joint=joints)
+    solver = {"formulation": formulation}
+    return Scene(name=name, gravity=GRAVITY, solver=solver, ground=ground, body=bodies, joint=joints)

@@ -9,8 +9,8 @@ from .ends import BETWEEN, Between
 from .fields import Axis, Part, unit_vector
 from .starts import RATES
 
-# What a joint does to its second marker, in the first one's axes: N, N m.
-REACTIONS = ("reaction_force", "reaction_moment")
+# What a joint does to its second marker, in the first one's axes, or (_body) in its own: N, N m.
+REACTIONS = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body")
 
 
 class AxisOptions(Part):
