@@ -4,6 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
 from ..kernels import contacts, curves, outputs, surfaces, tables
+from ..scene import Problem, SceneError
 from ..variables import dotted
 
 # samples of a curve's tangent, and directions that may be the one it is never parallel to
@@ -22,6 +23,7 @@ def add_contacts(builder):
 
 
 def _add_contact(builder, name, joint):
+    _check_lines(builder, name, joint)
     shapes = [_shape(builder, end, what) for end, what in zip(joint.between, joint.shapes)]
     first = len(builder.single["s_start"])
     units = parameter_units(builder, joint)
@@ -48,6 +50,19 @@ def _add_contact(builder, name, joint):
     )
 
 
+def _check_lines(builder, name, joint):
+    """Raises SceneError where two lines are to touch: they would do so everywhere."""
+    if joint.kind != "curve_on_curve":
+        return
+
+    if all(builder.scene.marker(end).curve.kind == "line" for end in joint.between):
+        text = (
+            "two straight lines touch everywhere or nowhere; use a planar joint, or point_on_line "
+            "at two points"
+        )
+        raise SceneError([Problem(("joint", name, "between"), text)])
+
+
 def _shape(builder, end, what):
     """Index of the curve or surface of a marker; -1 where none is needed."""
     if what == "curve":
@@ -61,7 +76,9 @@ def _shape(builder, end, what):
 
 def _add_curve(builder, curve):
     kind = curves.KINDS[curve.kind]
-    row = dict(curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0)
+    row = dict(
+        curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0
+    )
 
     if kind == curves.SPLINE:
         points, s = curve.points, curve.s
@@ -102,7 +119,13 @@ def _side(tangents):
 
 def _add_surface(builder, surface):
     kind = surfaces.KINDS[surface.kind]
-    row = dict(surface_kind=kind, surface_curve=0, surface_table=(0, 0), surface_patch=0, surface_value=(0.0, 0.0))
+    row = dict(
+        surface_kind=kind,
+        surface_curve=0,
+        surface_table=(0, 0),
+        surface_patch=0,
+        surface_value=(0.0, 0.0),
+    )
 
     if kind == surfaces.PRISM:
         row["surface_curve"] = _add_curve(builder, surface.profile)
@@ -130,12 +153,16 @@ def _add_patches(builder, surface):
     for coefficients in patches.reshape(-1, 48):
         builder.tables["n_patch"].add(patch_c=coefficients)
 
-    edges = [builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)]
+    edges = [
+        builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)
+    ]
     return {"surface_patch": first, "surface_table": edges}
 
 
 def _with_straight_ends(x, c):
-    """Breakpoints (n + 1,) and coefficients (4, n, ...) of a spline, with a straight piece more at both ends."""
+    """A spline's breakpoints (n + 1,) and coefficients (4, n, ...), with a straight piece more
+    at both ends.
+    """
     width = (x[-1] - x[0]) / (len(x) - 1)
     h = x[-1] - x[-2]
     left, right = np.zeros((2, 4, 1, *c.shape[2:]))
@@ -143,7 +170,9 @@ def _with_straight_ends(x, c):
     left[3, 0] = c[3, 0] - width * c[2, 0]
     right[2, 0] = c[2, -1] + h * (2.0 * c[1, -1] + 3.0 * h * c[0, -1])
     right[3, 0] = c[3, -1] + h * (c[2, -1] + h * (c[1, -1] + h * c[0, -1]))
-    return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate([left, c, right], axis=1)
+    return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate(
+        [left, c, right], axis=1
+    )
 
 
 def add_contact_outputs(builder, name, joint, output):
@@ -158,7 +187,9 @@ def add_contact_outputs(builder, name, joint, output):
 
         ending = f"[{k + 1}]" if len(units) > 1 else ""
         about = f"{'parameter' if output == 's' else 'rate of the parameter'} of {name}"
-        builder.add_outputs(dotted(name, output) + ending, kind, unit, about, nodes, builder.contacts[name], k)
+        builder.add_outputs(
+            dotted(name, output) + ending, kind, unit, about, nodes, builder.contacts[name], k
+        )
 
 
 def parameter_units(builder, joint):
@@ -172,7 +203,9 @@ def parameter_units(builder, joint):
             "torus": ["rad", "rad"],
             "table": [None, None],
         }
-        return [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
+        return (
+            [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
+        )
 
     ends = joint.between if joint.kind == "curve_on_curve" else joint.between[:1]
     return [_curve_unit(builder.scene.marker(end).curve) for end in ends]

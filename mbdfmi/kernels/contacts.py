@@ -1,14 +1,17 @@
 """Joints of end frames on curves and surfaces: where they touch, and what their rows say.
 
-A contact's parameters s stand behind q and v in d.x. They are those of the closest point (of a curve or surface to a marker's
-origin) or of the common tangent (of two curves): exactly so after every accepted step, where Newton's method finds
-them anew. In between they are integrated, their rates follow from the velocities. Only on a sphere, whose parameters are singular at its
-poles, they are read off instead, and nothing depends on them.
+A contact's parameters s stand behind q and v in d.x. They are those of the closest point (of a
+curve or surface to a marker's origin) or of the common tangent (of two curves): exactly so after
+every accepted step, where Newton's method finds them anew. In between they are integrated; their
+rates follow from the velocities. Only on a sphere, whose parameters are singular at its poles,
+they are read off instead, and nothing depends on them.
 
-The reaction acts at the material points that are where the contact is: theory, section "Generalized Force due to Reaction".
+The reaction acts at the material points that are where the contact is: theory, section
+"Generalized Force due to Reaction".
 
-Legend: a, b the first and second marker; e from the point on a's curve or surface to b's point; t, tt derivatives of r(s); n a
-normal; "seen" = relative to a's body, of the point of b's body that is at the contact.
+Legend: a, b the first and second marker; e from the point on a's curve or surface to b's point;
+t, tt derivatives of r(s); n a normal; "seen" = relative to a's body, of the point of b's body
+that is at the contact.
 """
 
 import math
@@ -28,7 +31,8 @@ MAX_ITERATIONS = 30
 # Newton's method has found s when it moves less than this part
 ROUNDING = 1e-15
 
-# curvature is believed where it leaves this part of the metric, else the closest point may be the farthest
+# curvature is believed where it leaves this part of the metric: else the point found may be the
+# farthest
 TRUSTED = 0.1
 
 # samples of a curve, and of each side of a pair, in the search for a start
@@ -50,7 +54,10 @@ def is_sphere(m, k):
 
 @kernel
 def seen_motion(m, d, k, r):
-    """Velocity and acceleration seen from a of the point of b's body that is at r (m, in O); acceleration when the bodies have none."""
+    """Velocity and acceleration, seen from a, of the point of b's body that is at r (m, in O).
+
+    The acceleration is that when the bodies have none.
+    """
     i = m.marker_body[m.contact_a[k]]
     j = m.marker_body[m.contact_b[k]]
     w_a = al.vec3(d.w, i)
@@ -75,7 +82,8 @@ def solve2(a, b, c, d, e, f):
 def curve_normal(m, k, t, i):
     """Axis j (i = 0) or k (i = 1) of the end frame on curve k where its tangent is t.
 
-    By the theory's fixed vector that is never parallel to the curve, so they pass points of inflection continuously.
+    By the theory's fixed vector that is never parallel to the curve, so they pass points of
+    inflection continuously.
     """
     tangent = al.scale(1.0 / al.norm(t), t)
     side = al.cross(tangent, al.vec3(m.curve_side, k))
@@ -108,8 +116,9 @@ def point_on_surface(m, d, k):
 
 @kernel
 def curve_on_curve(m, d, k):
-    """(point on b's curve in O, e, unit tangent and normal of a's, |t_a|, n.tt_a, t_b, tt_b), vectors in inertial axes.
+    """Vectors (in inertial axes) of two curves that touch.
 
+    Returns (point on b's curve in O, e, unit tangent and normal of a's, |t_a|, n.tt_a, t_b, tt_b).
     The normal is in the plane of a's curve, so what separates the two planes does not count.
     """
     a = m.contact_a[k]
@@ -138,7 +147,7 @@ def curve_on_curve(m, d, k):
 
 @inlined
 def tangency(e, tangent, n, length, bend_a, t_b, tt_b):
-    """Derivatives of tangent.e (negative) and n.t_b by s1 and s2: (a, b, c, d) of [[a, b], [c, d]]."""
+    """Derivatives of -tangent.e and n.t_b by s1 and s2: a, b, c, d of [[a, b], [c, d]]."""
     turn = bend_a / length
     along = al.dot(tangent, t_b)
     return length - al.dot(n, e) * turn, -along, -along * turn, al.dot(n, tt_b)
@@ -146,7 +155,7 @@ def tangency(e, tangent, n, length, bend_a, t_b, tt_b):
 
 @inlined
 def surface_rates(v, r1, r2):
-    """(s1', s2') of a point that moves with v along a surface; zero where the parameters are singular."""
+    """(s1', s2') of a point that moves with v along a surface; 0 where these are singular."""
     a = al.dot(r1, r1)
     b = al.dot(r1, r2)
     c = al.dot(r2, r2)
@@ -216,9 +225,10 @@ def span(m, d, k):
 
 @kernel
 def row(m, d, k, i):
-    """Row i of contact k: (direction u, point of contact, g, g', g'' at zero accelerations). Needs kinematics.
+    """Row i of contact k: (direction u, point of contact, g, g', g'' at zero accelerations).
 
-    While a contact is aimed at given parameters its first row takes e itself to zero, and a second has nothing to say.
+    Needs kinematics. While a contact is aimed at given parameters its first row takes e itself to
+    zero, and a second has nothing to say.
     """
     if d.aim[k] > 0.0:
         r, e = span(m, d, k)
@@ -302,7 +312,7 @@ def newton(m, d, k):
 
 @inlined
 def read_sphere(m, d, k):
-    """Longitude and latitude of a point on a sphere, the longitude on the turn closest to what it was."""
+    """Longitude and latitude of a point on a sphere, on the turn closest to the one before."""
     s = parameter(m, k)
     e = markers.relative_position(m, d, m.contact_a[k], m.contact_b[k])
     d.x[s] = coordinates.unwrapped(math.atan2(e[1], e[0]), d.x[s])
@@ -311,7 +321,7 @@ def read_sphere(m, d, k):
 
 @kernel
 def find_parameters(m, d):
-    """s of all contacts, from where they are: closest points and common tangents. Needs kinematics."""
+    """s of all contacts from where they are: closest points, common tangents. Needs kinematics."""
     for k in range(m.n_contact):
         s = parameter(m, k)
 
@@ -368,7 +378,11 @@ def windows(m, d, k):
     if m.contact_kind[k] == ON_SURFACE:
         one, two = surfaces.window(m, i, p)
         n1, n2 = surfaces.pieces(m, i)
-        return (one[0], one[1], max(PAIR_SAMPLES, 4 * n1)), (two[0], two[1], max(PAIR_SAMPLES, 4 * n2))
+        return (one[0], one[1], max(PAIR_SAMPLES, 4 * n1)), (
+            two[0],
+            two[1],
+            max(PAIR_SAMPLES, 4 * n2),
+        )
 
     j = m.contact_to[k]
     low1, high1 = curves.window(m, i, p, m.curve_size[j])

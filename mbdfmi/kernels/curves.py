@@ -24,7 +24,14 @@ PARABOLA = 2
 CYCLOID = 3
 SPLINE = 4
 
-KINDS = {"line": LINE, "circle": CIRCLE, "parabola": PARABOLA, "cycloid": CYCLOID, "spline": SPLINE, "table": SPLINE}
+KINDS = {
+    "line": LINE,
+    "circle": CIRCLE,
+    "parabola": PARABOLA,
+    "cycloid": CYCLOID,
+    "spline": SPLINE,
+    "table": SPLINE,
+}
 
 
 @inlined
@@ -69,7 +76,7 @@ def point(m, k, s):
 
 @inlined
 def window(m, k, p, margin):
-    """The (lowest, highest) s at which curve k may be closest to a point within `margin` (m) of p (m)."""
+    """(lowest, highest) s at which curve k may be closest to a point within `margin` of p (m)."""
     kind = m.curve_kind[k]
     R = m.curve_value[k]
 

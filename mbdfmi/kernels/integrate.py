@@ -8,8 +8,7 @@ how a master sums its time.
 import math
 
 from . import algebra as al
-from . import contacts
-from . import drives, dynamics, forces, joints, tree
+from . import contacts, drives, dynamics, forces, joints, tree
 from .language import inlined, kernel
 from .project import project
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status

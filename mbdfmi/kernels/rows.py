@@ -11,8 +11,7 @@ point of the first body that is where the second's is.
 import math
 
 from . import algebra as al
-from . import contacts
-from . import coordinates, drives, markers
+from . import contacts, coordinates, drives, markers
 from .language import inlined, kernel
 
 POINT = 0  # d stays normal to axis i of a

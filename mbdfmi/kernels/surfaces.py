@@ -25,7 +25,14 @@ TORUS = 3
 PRISM = 4
 TABLE = 5
 
-KINDS = {"plane": PLANE, "sphere": SPHERE, "cylinder": CYLINDER, "torus": TORUS, "prism": PRISM, "table": TABLE}
+KINDS = {
+    "plane": PLANE,
+    "sphere": SPHERE,
+    "cylinder": CYLINDER,
+    "torus": TORUS,
+    "prism": PRISM,
+    "table": TABLE,
+}
 
 Z = (0.0, 0.0, 1.0)
 
@@ -40,7 +47,7 @@ def cubic(c, at, x):
 
 @kernel
 def bicubic(c, at, x, y):
-    """A bicubic polynomial of 16 numbers from c[at] on (powers of y run fastest), and its derivatives.
+    """A bicubic polynomial of 16 numbers from c[at] on, powers of y fastest, and its derivatives.
 
     Returns (value, d/dx, d/dy, d2/dx2, d2/dxdy, d2/dy2).
     """
@@ -85,7 +92,10 @@ def patched(m, k, s1, s2):
 
 @kernel
 def point(m, k, s1, s2):
-    """(r, r_1, r_2, r_11, r_12, r_22) of surface k at (s1, s2), indices for derivatives: in its marker's axes."""
+    """(r, r_1, r_2, r_11, r_12, r_22) of surface k at (s1, s2), in its marker's axes.
+
+    Indices stand for derivatives by s1 and s2.
+    """
     kind = m.surface_kind[k]
     R = m.surface_value[2 * k]
     zero = al.ZERO3
@@ -130,7 +140,7 @@ def point(m, k, s1, s2):
 
 @inlined
 def window(m, k, p):
-    """((lowest, highest) s1, (lowest, highest) s2) at which surface k may be closest to the point p (m)."""
+    """(lowest, highest) s1 and s2 at which surface k may be closest to the point p (m)."""
     kind = m.surface_kind[k]
     turn = 2.0 * math.pi
 
@@ -143,7 +153,10 @@ def window(m, k, p):
     if kind == TABLE:
         one = m.surface_table[2 * k]
         two = m.surface_table[2 * k + 1]
-        return (tables.first(m, one), tables.last(m, one)), (tables.first(m, two), tables.last(m, two))
+        return (tables.first(m, one), tables.last(m, one)), (
+            tables.first(m, two),
+            tables.last(m, two),
+        )
 
     if kind == CYLINDER:
         return (0.0, turn), (p[2], p[2])
@@ -155,6 +168,8 @@ def window(m, k, p):
 def pieces(m, k):
     """Numbers of pieces of surface k along s1 and s2."""
     if m.surface_kind[k] == TABLE:
-        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[m.surface_table[2 * k + 1]] - 1
+        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[
+            m.surface_table[2 * k + 1]
+        ] - 1
 
     return (curves.pieces(m, m.surface_curve[k]) if m.surface_kind[k] == PRISM else 1), 1
