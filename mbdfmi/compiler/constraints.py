@@ -1,8 +1,6 @@
-"""Joints that close loops, rolling and couplings as rows, in an order that keeps their factor narrow."""
+"""Joints that close loops, rolling and couplings as rows, in an order that keeps their factor sparse."""
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..kernels import contacts, rows
 from ..kernels.joints import KINDS, N_V
@@ -47,11 +45,11 @@ def add_constraints(builder):
     # the joint-space mass matrix spreads every row over all coordinates
     every = list(range(1, len(builder.nodes)))
     path = [every if builder.embeds else _path(builder, c["nodes"]) for c in constraints]
-    order = _narrow_order(path)
+    order, meets = _elimination(_neighbours(builder, path))
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c["name"] for c in constraints]
     builder.constraint_nodes = [c["nodes"] for c in constraints]
-    _add_tables(builder, constraints, [path[k] for k in order])
+    _add_tables(builder, constraints, [path[k] for k in order], meets)
 
 
 def _joint_constraint(builder, name):
@@ -111,22 +109,62 @@ def _path(builder, nodes):
     return sorted(path)
 
 
-def _narrow_order(paths):
-    """An order of the constraints in which those that share joints come close together."""
-    n = len(paths)
-    meets = np.array([[bool(set(a) & set(b)) for b in paths] for a in paths])
-    return reverse_cuthill_mckee(csr_array(meets), symmetric_mode=True) if n > 1 else range(n)
+def _elimination(neighbours):
+    """An order of elimination with little fill, and what each constraint meets in it.
+
+    neighbours : for each constraint the set of those it shares joints with. Minimum degree: next comes the one with the
+    fewest neighbours left, which then all become neighbours. Returns (order, for each in the order the earlier ones it meets, as
+    places in the order).
+    """
+    left = [set(near) for near in neighbours]
+    waiting = set(range(len(left)))
+    order = []
+    meets = [[] for _ in left]
+
+    while waiting:
+        c = min(waiting, key=lambda k: (len(left[k]), k))
+        waiting.remove(c)
+
+        for k in left[c]:
+            meets[k].append(len(order))
+            left[k] |= left[c]
+            left[k] -= {k, c}
+
+        order.append(c)
+
+    return order, [meets[c] for c in order]
 
 
-def _add_tables(builder, constraints, paths):
+def _neighbours(builder, paths):
+    """For each path of nodes the set of the others that share a node with it, nodes with drives left out."""
+    at_node = {}
+
+    for c, path in enumerate(paths):
+        for i in set(path) - set(builder.drive_of):
+            at_node.setdefault(i, set()).add(c)
+
+    near = [set() for _ in paths]
+
+    for group in at_node.values():
+        for c in group:
+            near[c] |= group
+
+    return [near[c] - {c} for c in range(len(paths))]
+
+
+def _add_tables(builder, constraints, paths, meets):
     n_v = {i: N_V[KINDS[node.kind]] for i, node in enumerate(builder.nodes) if i}
-    first_row = {}
-    reach = envelope = row = 0
+    size = [len(constraint["rows"]) for constraint in constraints]
+    reach = block = row = 0
 
     for c, (constraint, path) in enumerate(zip(constraints, paths)):
         width = sum(n_v[i] for i in path)
-        first_row[c] = row
-        meets = min(k for k in range(c + 1) if set(paths[k]) & set(path) or k == c)
+        first_meet = builder.tables["n_meet"].length
+
+        for e in meets[c]:
+            builder.tables["n_meet"].add(meet_constraint=e, meet_block=block)
+            block += size[c] * size[e]
+
         builder.tables["n_constraint"].add(
             constraint_from=constraint["markers"][0],
             constraint_to=constraint["markers"][1],
@@ -138,7 +176,11 @@ def _add_tables(builder, constraints, paths):
             constraint_paths=len(path),
             constraint_reach=reach,
             constraint_width=width,
+            constraint_meet=first_meet,
+            constraint_meets=len(meets[c]),
+            constraint_block=block,
         )
+        block += size[c] ** 2
         at = 0
 
         for i in path:
@@ -151,14 +193,11 @@ def _add_tables(builder, constraints, paths):
                 row_kind=kind,
                 row_i=i,
                 row_j=j,
-                row_first=first_row[meets],
-                row_envelope=envelope,
                 row_value=constraint["value"],
                 row_offset=constraint["offset"],
                 row_drive=constraint["drive"],
             )
-            envelope += row - first_row[meets]
             reach += width
             row += 1
 
-    builder.counts = {"n_reach": reach, "n_envelope": envelope}
+    builder.counts = {"n_reach": reach, "n_factor": block}

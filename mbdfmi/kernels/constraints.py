@@ -3,8 +3,9 @@
 With M = L_M L_M^T the joint-space inertia and C the rows' Jacobian, every row's response is kept whitened, R = C L_M^-T, so
 that C M^-1 C^T = R R^T. The articulated-body factor gives R in one pass from a row's bodies to the ground (the
 innovations form of the operational-space inertia: Rodriguez, Jain, Kreutz-Delgado, Int. J. Robotics Research 10, 1991), and only in the
-joints on that way. R R^T is factored in its envelope, rows dropped whose pivot is a small part of their
-diagonal: they follow from rows before them.
+joints on that way. R R^T is factored in blocks: those of constraints that share joints, in
+an order that makes few others. Rows are dropped whose pivot is a small part of their diagonal: they follow from
+rows before them.
 """
 
 import math
@@ -178,68 +179,130 @@ def largest_of_kind(m, d, row):
     return size
 
 
+@inlined
+def common(m, d, c, end, row, e, other):
+    """Sum over the constraints before e that both c and e meet of (unscaled L of row) (L of other)^T.
+
+    row, other : rows of c and e, counted from their first; `end` : where e stands among those that c meets.
+    """
+    total = 0.0
+    t = m.constraint_meet[c]
+    u = m.constraint_meet[e]
+    last = u + m.constraint_meets[e]
+
+    while t < end and u < last:
+        k = m.meet_constraint[t]
+        l = m.meet_constraint[u]
+
+        if k == l:
+            n = m.constraint_rows[k]
+            x = m.meet_block[t] + row * n
+            y = m.meet_block[u] + other * n
+
+            for s in range(n):
+                total += d.factor[x + s] * d.factor[y + s]
+
+        if k <= l:
+            t += 1
+
+        if l <= k:
+            u += 1
+
+    return total
+
+
+@inlined
+def factor_row(m, d, c, i):
+    """Row i (counted from its first) of constraint c in the factor; returns its pivot before any dropping."""
+    row = m.constraint_row[c] + i
+    first = m.constraint_meet[c]
+    end = first + m.constraint_meets[c]
+
+    # unscaled: columns of constraints met before, then of its own rows before
+    for t in range(first, end + 1):
+        e = m.meet_constraint[t] if t < end else c
+        n = m.constraint_rows[e]
+        at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+        to = m.constraint_block[e]
+
+        for j in range(n if t < end else i):
+            value = product(m, d, row, m.constraint_row[e] + j) - common(m, d, c, t, i, e, j)
+
+            for s in range(j):
+                value -= d.factor[at + s] * d.factor[to + j * n + s]
+
+            d.factor[at + j] = value
+
+    # scaled by the pivots
+    pivot = d.row_diagonal[row]
+
+    for t in range(first, end + 1):
+        e = m.meet_constraint[t] if t < end else c
+        n = m.constraint_rows[e]
+        at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+
+        for j in range(n if t < end else i):
+            value = d.factor[at + j]
+            d.factor[at + j] = value * d.pivot[m.constraint_row[e] + j]
+            pivot -= value * d.factor[at + j]
+
+    return pivot
+
+
 @kernel
 def factor_rows(m, d):
-    """L D L^T of R R^T in its envelope; returns how many rows were dropped, structurally redundant ones not counted.
+    """L D L^T of R R^T, in blocks of constraints that meet (fill included).
 
-    The factor's unit rows overwrite the envelope; pivot holds 1 / D, 0 where a row was dropped.
+    The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped.
     """
-    dropped = 0
+    for row in range(m.n_row):
+        d.row_diagonal[row] = product(m, d, row, row)
 
-    for i in range(m.n_row):
-        d.row_diagonal[i] = product(m, d, i, i)
-
-    for i in range(m.n_row):
-        first = m.row_first[i]
-        at = m.row_envelope[i] - first
-        pivot = d.row_diagonal[i]
-
-        # unscaled row of L, then scaled
-        for j in range(first, i):
-            to = m.row_envelope[j] - m.row_first[j]
-            value = product(m, d, i, j)
-
-            for k in range(max(first, m.row_first[j]), j):
-                value -= d.envelope[at + k] * d.envelope[to + k]
-
-            d.envelope[at + j] = value
-
-        for j in range(first, i):
-            value = d.envelope[at + j]
-            d.envelope[at + j] = value * d.pivot[j]
-            pivot -= value * d.envelope[at + j]
-
-        if d.row_redundant[i] > 0.0:
-            d.pivot[i] = 0.0
-        elif pivot > DROP * largest_of_kind(m, d, i) and pivot > NOISE * d.row_size[i]:
-            d.pivot[i] = 1.0 / pivot
-        else:
-            d.pivot[i] = 0.0
-            dropped += 1
-
-    return dropped
+    for c in range(m.n_constraint):
+        for i in range(m.constraint_rows[c]):
+            pivot = factor_row(m, d, c, i)
+            row = m.constraint_row[c] + i
+            new = pivot > DROP * largest_of_kind(m, d, row) and pivot > NOISE * d.row_size[row]
+            d.pivot[row] = 1.0 / pivot if new and d.row_redundant[row] == 0.0 else 0.0
 
 
 @inlined
 def solve_rows(m, d):
     """Multipliers of the right-hand side d.row_left: least changes in the metric of the inertia."""
-    for i in range(m.n_row):
-        at = m.row_envelope[i] - m.row_first[i]
-        value = d.row_left[i]
+    for c in range(m.n_constraint):
+        first = m.constraint_meet[c]
+        end = first + m.constraint_meets[c]
 
-        for j in range(m.row_first[i], i):
-            value -= d.envelope[at + j] * d.multiplier[j]
+        for i in range(m.constraint_rows[c]):
+            value = d.row_left[m.constraint_row[c] + i]
 
-        d.multiplier[i] = value
+            for t in range(first, end + 1):
+                e = m.meet_constraint[t] if t < end else c
+                n = m.constraint_rows[e]
+                at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
 
-    for i in range(m.n_row):
-        d.multiplier[i] *= d.pivot[i]
+                for j in range(n if t < end else i):
+                    value -= d.factor[at + j] * d.multiplier[m.constraint_row[e] + j]
 
-    for i in range(m.n_row - 1, -1, -1):
-        at = m.row_envelope[i] - m.row_first[i]
+            d.multiplier[m.constraint_row[c] + i] = value
 
-        for j in range(m.row_first[i], i):
-            d.multiplier[j] -= d.envelope[at + j] * d.multiplier[i]
+    for row in range(m.n_row):
+        d.multiplier[row] *= d.pivot[row]
+
+    for c in range(m.n_constraint - 1, -1, -1):
+        first = m.constraint_meet[c]
+        end = first + m.constraint_meets[c]
+
+        for i in range(m.constraint_rows[c] - 1, -1, -1):
+            value = d.multiplier[m.constraint_row[c] + i]
+
+            for t in range(first, end + 1):
+                e = m.meet_constraint[t] if t < end else c
+                n = m.constraint_rows[e]
+                at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+
+                for j in range(n if t < end else i):
+                    d.multiplier[m.constraint_row[e] + j] -= d.factor[at + j] * value
 
 
 @inlined

@@ -35,7 +35,8 @@ COUNTS = (
     "n_row",  # their scalar equations
     "n_path",  # nodes between the constraints and the ground, summed
     "n_reach",  # values of all rows' responses in the joints between
-    "n_envelope",  # values of the rows' inverse inertia, within its envelope
+    "n_meet",  # pairs of constraints that share joints, or meet in the factor by fill
+    "n_factor",  # values of the factor of the rows' inverse inertia
     "n_table",  # piecewise cubic functions
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
@@ -122,8 +123,11 @@ ARRAYS = (
     Row("row_i", "ints", 1, "n_row", "axis of the first marker, or first coordinate"),
     Row("row_j", "ints", 1, "n_row", "axis of the second marker, or second coordinate, -1: none"),
     Row("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
-    Row("row_first", "ints", 1, "n_row", "first row whose response meets this one's"),
-    Row("row_envelope", "ints", 1, "n_row", "where that product stands in the envelope"),
+    Row("constraint_meet", "ints", 1, "n_constraint", "first of the constraints before it that it meets"),
+    Row("constraint_meets", "ints", 1, "n_constraint", "number of these"),
+    Row("constraint_block", "ints", 1, "n_constraint", "its diagonal block in the factor, by rows"),
+    Row("meet_constraint", "ints", 1, "n_meet", "constraint met, ascending"),
+    Row("meet_block", "ints", 1, "n_meet", "block in the factor, by rows"),
     Row("table_knot", "ints", 1, "n_table", "first knot"),
     Row("table_knots", "ints", 1, "n_table", "number of knots"),
     Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
@@ -275,7 +279,7 @@ ARRAYS = (
     Row("multiplier", "work", 1, "n_row", "lambda: the row's wrenches times it act on the bodies"),
     Row("row_left", "work", 1, "n_row", "right-hand side of the rows"),
     Row("reach", "work", 1, "n_reach", "response of the joints to each row, whitened"),
-    Row("envelope", "work", 1, "n_envelope", "C M^-1 C^T, then its factor L"),
+    Row("factor", "work", 1, "n_factor", "C M^-1 C^T = L D L^T: L in blocks"),
     Row("pivot", "work", 1, "n_row", "1 / D of the factor, 0: row dropped"),
     Row("aim", "work", 1, "n_contact", "1: assembly takes the contact to given parameters"),
     Row("passed_moment", "work", 3, "n_body", "wrench on its way to the ground"),
