@@ -32,6 +32,18 @@ class Scene(_scene.Scene):
 
         return simulate(self.compile(), until, step, inputs, parameters, **options)
 
+    def inverse(self, motion, times=None, **options):
+        """The efforts that a motion of joints needs; see `mbdfmi.inverse.inverse`. Returns Results, columns by name."""
+        from .inverse import inverse
+
+        return inverse(self, motion, times, **options)
+
+    def structure(self):
+        """Degrees of freedom, redundant equations, undetermined reactions; see `mbdfmi.structure.Structure`."""
+        from .structure import structure
+
+        return structure(self)
+
     def export(self, path=None, platforms=None, **options) -> Path:
         """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`.
 

@@ -1,0 +1,424 @@
+"""What a scene's joints leave free: true degrees of freedom by rank, equations that repeat others, reactions that are not determined.
+
+Ranks are those of the constraints' velocity Jacobian C (rows by velocity coordinates), made free of units by a length of the
+scene. At a singular position (a parallelogram four-bar stretched out) the rank falls for a moment; what holds in every
+position is looked for at two places near the start.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .kernels import joints, project, rows, tree
+from .kernels.status import OK
+from .model import compile_scene
+from .simulate import Instance
+from .topology import FREEDOMS, axes_with_z
+
+# singular values below this part of the largest are zero: positions are known to the square root of rounding near a
+# singular one
+ZERO = 1e-6
+
+# how far (rad, or parts of the scene's length) the places near the start are
+NEARBY = (0.1, 0.23)
+
+GAP_ALLOWED = 1e-9  # m, rad
+
+DRIVEABLE = ("revolute", "prismatic")
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A constraint equation: the joint or coupling it belongs to, and what it keeps, in words (inertial axes)."""
+
+    owner: str
+    keeps: str
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """What of a joint's reaction is not determined, in words (inertial axes)."""
+
+    owner: str
+    what: str
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What the joints of a scene leave free.
+
+    coordinates : velocity coordinates of the tree's joints, without the driven ones.
+    equations, rank : constraint equations of what closes loops, rolls or couples; how many are independent.
+    freedom : degrees of freedom, coordinates less rank.
+    freedom_at_start : the same at the start alone; more than `freedom` at a singular position.
+    driven : joints whose motion is prescribed.
+    closing : joints that close loops: they are not in the tree.
+    driveable : joints any one of which takes a freedom away when it is driven.
+    redundant : equations that follow from others in every position, those that the solver leaves out.
+    undetermined : reactions that rigid bodies do not determine.
+    """
+
+    coordinates: int
+    equations: int
+    rank: int
+    freedom_at_start: int
+    driven: list[str]
+    closing: list[str]
+    driveable: list[str]
+    redundant: list[Equation]
+    undetermined: list[Reaction]
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom: independent velocities."""
+        return self.coordinates - self.rank
+
+
+def structure(scene) -> Structure:
+    """The structure of a scene at its start.
+
+    Raises SceneError; SimulationError where a loop cannot be closed.
+    """
+    joined = Mechanism(_with_all_joints(scene, "recursive"))
+    parted = Mechanism(_with_all_joints(scene, "augmented"))
+    here, generic = joined.here(), joined.generic()
+    model = joined.model
+
+    return Structure(
+        coordinates=len(joined.free),
+        equations=model.n_row,
+        rank=generic.rank,
+        freedom_at_start=len(joined.free) - here.rank,
+        driven=[name for name, joint in scene.joint.items() if joint.driver],
+        closing=[name for name in model.tree.cuts if scene.joint[name].kind in FREEDOMS],
+        driveable=joined.driveable(generic),
+        redundant=[joined.equation(row, here) for row in joined.redundant],
+        undetermined=parted.undetermined(parted.generic()),
+    )
+
+
+def _with_all_joints(scene, formulation):
+    """The scene with fixed joints that are not welds, for then they have equations and reactions."""
+    kept = {
+        name: joint.model_copy(update={"output": [*joint.output, "reaction_force"]})
+        if joint.kind == "fixed" and not joint.output
+        else joint
+        for name, joint in scene.joint.items()
+    }
+    solver = scene.solver.model_copy(update={"formulation": formulation})
+    return scene.model_copy(update={"joint": kept, "solver": solver})
+
+
+@dataclass
+class Place:
+    """The Jacobian at one position, and what was seen there.
+
+    C : (n_row, n) rows' rates by free velocity coordinates, without units.
+    scale : (n_row,) a row of C is this times the row in SI units.
+    moment, force : (n_row, 3) each row's wrench on its second marker's body about that marker's origin, for a unit multiplier;
+        N m and N.
+    twist : (n, n_body, 6) angular velocity and velocity of the nodes' origins for a unit of each coordinate, SI.
+    r, A : (n_body, 3) m, (n_body, 3, 3) poses of the nodes.
+    """
+
+    C: np.ndarray
+    scale: np.ndarray
+    moment: np.ndarray
+    force: np.ndarray
+    twist: np.ndarray
+    r: np.ndarray
+    A: np.ndarray
+
+    @cached_property
+    def _svd(self):
+        return np.linalg.svd(self.C)
+
+    @cached_property
+    def rank(self) -> int:
+        """Independent rows."""
+        s = self._svd[1]
+        return int(np.sum(s > ZERO * s[0])) if s.size else 0
+
+    @property
+    def motions(self):
+        """(n, n - rank): orthonormal columns of free motions, without units."""
+        return self._svd[2][self.rank :].T
+
+    @property
+    def self_stress(self):
+        """(n_row, n_row - rank): multipliers, SI, that add up to nothing on every body."""
+        return self.scale[:, None] * self._svd[0][:, self.rank :]
+
+
+class Mechanism:
+    """A model at its start, to be looked at from Python. Drives of the joints in `released` count as absent.
+
+    free : velocity coordinates that no drive prescribes; units : (n,) the SI value of a unit-free 1 of each.
+    length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
+    """
+
+    def __init__(self, scene, released=()):
+        self.scene = scene
+        self.released = released
+        self.model = compile_scene(scene)
+        self.instance = Instance(self.model)
+        self.m, self.d = self.instance.m, self.instance.d
+        m = self.m
+        self.free, rotates = [], []
+
+        for i in range(1, m.n_body):
+            kind = m.body_joint[i]
+            driven = m.body_drive[i] >= 0 and self.model.tree.nodes[i].joint not in released
+            n = 0 if driven else joints.N_V[kind]
+            self.free += range(m.body_v[i], m.body_v[i] + n)
+            linear = {joints.PRISMATIC: 1, joints.FREE: 3}.get(kind, 0)
+            rotates += [k >= linear for k in range(n)]
+
+        self.redundant = np.flatnonzero(self.d.row_redundant).tolist()
+        tree.kinematics(m, self.d)
+        self.length = self._length()
+        self.units = np.where(rotates, 1.0, self.length) if rotates else np.empty(0)
+
+    def _length(self):
+        """m: mean distance of the constraints' markers from the origins of their nodes and from each other's nodes."""
+        m, r = self.m, self.d.r.reshape(-1, 3)
+        arms = []
+
+        for c in range(m.n_constraint):
+            nodes = [m.marker_body[k] for k in (m.constraint_from[c], m.constraint_to[c])]
+            arms += [np.linalg.norm(m.marker_r[3 * k : 3 * k + 3]) for k in (m.constraint_from[c], m.constraint_to[c])]
+            arms += [np.linalg.norm(r[nodes[1]] - r[nodes[0]])] if min(nodes) > 0 else []
+
+        arms = [arm for arm in arms if arm > 0.0]
+        return float(np.mean(arms)) if arms else 1.0
+
+    # places
+
+    def here(self) -> Place:
+        """What is seen at the position of the state."""
+        m, d = self.m, self.d
+        x = d.x.copy()
+        d.x[m.n_q : m.n_q + m.n_v] = 0.0
+        rest, _ = self._look()
+        C = np.empty((m.n_row, len(self.free)))
+        twist = np.empty((len(self.free), m.n_body, 6))
+
+        for k, v in enumerate(self.free):
+            d.x[m.n_q + v] = 1.0
+            rate, twist[k] = self._look()
+            C[:, k] = rate - rest
+            d.x[m.n_q + v] = 0.0
+
+        moment, force = self._wrenches()
+        turning = np.linalg.norm(force, axis=1) == 0.0
+        scale = np.where(turning, 1.0, 1.0 / self.length)
+        scale = np.where(self._is_coupling(), self._coupling_scale(C), scale)
+        scale[self._is_released()] = 0.0
+        place = Place(
+            C=scale[:, None] * C * self.units,
+            scale=scale,
+            moment=moment,
+            force=force,
+            twist=twist,
+            r=d.r.reshape(-1, 3).copy(),
+            A=d.A.reshape(-1, 3, 3).copy(),
+        )
+        d.x[:] = x
+        return place
+
+    def _look(self):
+        """Rates of all rows, twists of all nodes at the velocities of the state."""
+        tree.kinematics(self.m, self.d)
+        rows.write_rows(self.m, self.d)
+        return self.d.row_rate.copy(), np.hstack([self.d.w.reshape(-1, 3), self.d.rd.reshape(-1, 3)])
+
+    def _is_coupling(self):
+        return self.m.row_kind == rows.COUPLING
+
+    def _is_released(self):
+        return [self.m.row_drive[row] >= 0 and self.owner(row) in self.released for row in range(self.m.n_row)]
+
+    def _coupling_scale(self, C):
+        """1 / the largest unit-free element: what a coupling is about has units of its own."""
+        largest = np.abs(C * self.units).max(axis=1, initial=0.0)
+        return 1.0 / np.where(largest > 0.0, largest, 1.0)
+
+    def _wrenches(self):
+        """(moment, force) (n_row, 3) of each row on its second marker's body, about that marker's origin."""
+        m, d = self.m, self.d
+        force = d.row_force_to.reshape(-1, 3).copy()
+        moment = d.row_moment_to.reshape(-1, 3).copy()
+        A = d.A.reshape(-1, 3, 3)
+
+        for row in range(m.n_row):
+            marker = m.constraint_to[m.row_constraint[row]]
+            arm = A[m.marker_body[marker]] @ m.marker_r[3 * marker : 3 * marker + 3]
+            moment[row] -= np.cross(arm, force[row])
+
+        return moment, force
+
+    def generic(self) -> Place:
+        """The place of the greatest rank among the start and some near it; the start where that is one of them."""
+        return max([self.here(), *self._nearby()], key=lambda place: place.rank)
+
+    def _nearby(self):
+        """Places a little way along allowed motions in which every joint takes part; the state stays at the start."""
+        start, last = self.d.x.copy(), self.d.coordinate_last.copy()
+        motions = self.here().motions
+        places = []
+
+        for k, step in enumerate(NEARBY if motions.size else ()):
+            v = motions @ np.cos(1.7 * np.arange(motions.shape[1]) + k + 0.3)
+            self._move(step * self.units * v / np.abs(v).max())
+
+            if project.project_positions(self.m, self.d, GAP_ALLOWED) == OK:
+                places.append(self.here())
+
+            self.d.x[:], self.d.coordinate_last[:] = start, last
+
+        return places
+
+    def _move(self, change):
+        """The positions of the state, moved by small changes (n,) of the free coordinates, SI."""
+        m, d = self.m, self.d
+        v = np.zeros(m.n_v)
+        v[self.free] = change
+
+        for i in range(1, m.n_body):
+            q, k, kind = m.body_q[i], m.body_v[i], m.body_joint[i]
+            linear = {joints.REVOLUTE: 1, joints.PRISMATIC: 1, joints.FREE: 3}.get(kind, 0)
+            d.x[q : q + linear] += v[k : k + linear]
+
+            if kind in (joints.SPHERICAL, joints.FREE):
+                E = d.x[q + linear : q + linear + 4]
+                turn = Rotation.from_rotvec(v[k + linear : k + linear + 3])
+                E[:] = (turn * Rotation.from_quat(E)).as_quat()
+
+    # in words
+
+    def owner(self, row):
+        """The joint or coupling that a row belongs to."""
+        return self.model.places[self.m.n_body + self.m.row_constraint[row]]
+
+    def equation(self, row, place) -> Equation:
+        """A row in words."""
+        owner = self.owner(row)
+
+        if self.m.row_kind[row] == rows.COUPLING:
+            keeps = "prescribed motion" if self.m.row_drive[row] >= 0 else "coupled motion"
+            return Equation(owner, keeps)
+
+        force, moment = place.force[row], place.moment[row]
+
+        if self.m.row_kind[row] == rows.DOT:
+            return Equation(owner, f"rotation {_along('about', moment[:, None])}")
+
+        rolling = self.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)
+        return Equation(owner, f"{'velocity' if rolling else 'position'} {_along('along', force[:, None])}")
+
+    def undetermined(self, place) -> list[Reaction]:
+        """Reactions that a self-stress touches at a place."""
+        stress = place.self_stress
+        found = []
+
+        if not stress.size:
+            return found
+
+        for owner in dict.fromkeys(self.owner(row) for row in range(self.m.n_row)):
+            mine = np.array([self.owner(row) == owner for row in range(self.m.n_row)])
+            effort = mine & self._is_coupling()
+            wrench = mine & ~self._is_coupling()
+            moment = place.moment[wrench].T @ stress[wrench] / self.length
+            force = place.force[wrench].T @ stress[wrench]
+            size = np.linalg.norm(stress / place.scale[:, None], axis=0).max() / self.length
+            parts = []
+
+            for what, how, vectors in (("force", "along", force), ("moment", "about", moment)):
+                if np.linalg.norm(vectors) > 10 * ZERO * size:
+                    parts.append(f"{what} {_along(how, vectors)}".strip())
+
+            if np.linalg.norm(stress[effort] / place.scale[effort, None]) > 10 * ZERO:
+                driven = np.any(self.m.row_drive[effort] >= 0)
+                parts.append("driving effort" if driven else "coupling effort")
+
+            if parts:
+                found.append(Reaction(owner, ", ".join(parts)))
+
+        return found
+
+    # joint coordinates
+
+    def driveable(self, place, driven=()) -> list[str]:
+        """Joints any one of which could be driven beside those in `driven`: it takes a freedom away."""
+        free = [name for name, joint in self.scene.joint.items() if joint.kind in DRIVEABLE and not joint.driver]
+        n = self.driven_freedoms(place, driven)
+        return [name for name in free if self.driven_freedoms(place, [*driven, name]) > n]
+
+    def driven_freedoms(self, place, driven) -> int:
+        """How many freedoms drives of these joints take away."""
+        rates = [self._rates(name, place) @ place.motions for name in driven]
+        s = np.linalg.svd(np.reshape(rates, (len(driven), -1)), compute_uv=False) if driven else np.empty(0)
+        return int(np.sum(s > 10 * ZERO))
+
+    def _rates(self, name, place):
+        """(n,) rate of a joint's coordinate by the free coordinates, without units."""
+        length = 1.0 if self.scene.joint[name].kind == "revolute" else self.length
+        return self._rates_by_unit(name, place) * self.units / length
+
+    def _rates_by_unit(self, name, place):
+        """(n,) rate of a joint's coordinate for a unit of each free coordinate, SI."""
+        (a, frame_a), (b, frame_b) = self._sides(name)
+        z = (place.A[a] @ frame_a[1])[:, 2]
+        w = place.twist[:, b, :3] - place.twist[:, a, :3]
+
+        if self.scene.joint[name].kind == "revolute":
+            return w @ z
+
+        point = place.r[b] + place.A[b] @ frame_b[0]
+        v_b = place.twist[:, b, 3:] + np.cross(place.twist[:, b, :3], point - place.r[b])
+        v_a = place.twist[:, a, 3:] + np.cross(place.twist[:, a, :3], point - place.r[a])
+        return (v_b - v_a) @ z
+
+    def position(self, name) -> float:
+        """A joint's coordinate (rad, m) at the start; an angle is that nearest to zero where the joint closes a loop."""
+        for i, node in enumerate(self.model.tree.nodes):
+            if node.joint == name:
+                return float(self.d.x[self.m.body_q[i]])
+
+        place = self.here()
+        (a, (r_a, A_a)), (b, (r_b, A_b)) = self._sides(name)
+        turned_a, turned_b = place.A[a] @ A_a, place.A[b] @ A_b
+
+        if self.scene.joint[name].kind == "revolute":
+            A = turned_a.T @ turned_b
+            return float(np.arctan2(A[1, 0], A[0, 0]))
+
+        span = place.r[b] + place.A[b] @ r_b - place.r[a] - place.A[a] @ r_a
+        return float(turned_a[:, 2] @ span)
+
+    def _sides(self, name):
+        """((node, pose), (node, pose)) of a joint's two markers, z along its axis."""
+        turn = axes_with_z(self.scene.joint[name].axis)
+        return [self.model.tree.joint_side(self.scene, name, side, turn) for side in (0, 1)]
+
+
+def _along(how, vectors):
+    """The directions that vectors (3, k) span, in words: "along z", "about x and y", "normal to ..."; all: ""."""
+    U, s, _ = np.linalg.svd(vectors)
+    rank = int(np.sum(s > 1e-4 * s[0]))
+
+    if rank == 3:
+        return ""
+
+    projector = U[:, :rank] @ U[:, :rank].T
+    named = [axis for k, axis in enumerate("xyz") if projector[k, k] > 1.0 - 1e-6]
+
+    if len(named) == rank:
+        return f"{how} {' and '.join(named)}"
+
+    direction = U[:, 0] if rank == 1 else U[:, 2]
+    direction = direction * np.sign(direction[np.argmax(np.abs(direction))])
+    text = "({:.3g}, {:.3g}, {:.3g})".format(*np.where(np.abs(direction) < 1e-6, 0.0, direction))
+    return f"{how} {text}" if rank == 1 else f"normal to {text}"
