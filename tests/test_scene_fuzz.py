@@ -392,7 +392,7 @@ def outcome(content):
 def check_sound(scene):
     for body in scene.body.values():
         mass, com, inertia = body.mass_properties()
-        assert mass > 0 and np.isfinite(com).all() and np.isfinite(inertia).all()
+        assert mass >= 0 and np.isfinite(com).all() and np.isfinite(inertia).all()
         for end in (marker.pose() for marker in body.marker.values()):
             assert all(np.isfinite(part).all() for part in end)
     for holder in (scene.ground, *scene.body.values()):
@@ -653,7 +653,7 @@ MESSAGES = [
         '"solid", "output", "input", "input_axes" and "marker". Did you mean "mass"?',
     ]),
     (ARM, 'mass    = 2.0', 'mass = -2.0', [
-        '[body.upper] mass: must be greater than 0, at least 1e-30; found -2.0',
+        '[body.upper] mass: must not be negative, found -2.0',
     ]),
     (ARM, 'mass    = 2.0', 'mass = "2 kg"', [
         '[body.upper] mass: needs a number, without quotes or a unit; found "2 kg"',
@@ -721,7 +721,7 @@ MESSAGES = [
     ]),
     (ARM, '["angle", "speed"]', '["angel", "speed"]', [
         '[joint.shoulder] output: no "angel" here; there is "angle", "speed", '
-        '"acceleration", "effort", "reaction_force" and "reaction_moment". Did you mean "angle"?',
+        '"acceleration", "effort", "reaction_force", "reaction_moment", "reaction_force_body" and "reaction_moment_body". Did you mean "angle"?',
     ]),
     (ARM, '["angle", "speed"]', '"angle"', [
         '[joint.shoulder] output: needs a list, found "angle"; write ["angle"]',

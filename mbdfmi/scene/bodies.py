@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from .curves import Curve
 from .errors import listed
-from .fields import Array, OneOf, Part, Positive, SomeOf, Vector
+from .fields import Array, NotNegative, OneOf, Part, SomeOf, Vector
 from .motion import Motion
 from .names import Name
 from .orientation import Oriented, Placed
@@ -114,7 +114,8 @@ def _as_list(value):
 class Massive(Part):
     """Mass, centre of mass and inertia, or solids.
 
-    mass : kg.
+    mass : kg. 0, without inertia, makes a mere frame: it must carry other bodies, or hang on driven joints, as an end
+        frame whose motion is prescribed does.
     com : centre of mass (3,) in m in the body's own frame.
     inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1].
     inertia_axes : orientation of the axes that the inertia is given in; the body's when left out.
@@ -123,7 +124,7 @@ class Massive(Part):
 
     needed = (("mass", "solid"),)
 
-    mass: Positive | None = None
+    mass: NotNegative | None = None
     com: Vector = (0.0, 0.0, 0.0)
     inertia: Inertia | None = None
     inertia_axes: InertiaAxes | None = None
@@ -142,6 +143,9 @@ class Massive(Part):
         """(mass kg, com (3,) m, inertia (3, 3) kg m2 about the com), in the body's own axes."""
         if self.solid:
             return composite([solid.mass_properties() for solid in self.solid])
+
+        if self.inertia is None:
+            return self.mass, np.array(self.com), np.zeros((3, 3))
 
         A = (self.inertia_axes or InertiaAxes()).rotation().as_matrix()
         return self.mass, np.array(self.com), A @ inertia_matrix(self.inertia) @ A.T
