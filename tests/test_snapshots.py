@@ -1,0 +1,74 @@
+"""Snapshots of scenes with everything that has a memory of its own, taken over by an instance that was never started."""
+
+import pytest
+from fmu_host import OK, Instance, Library
+
+from mbdfmi import Scene
+
+
+def mechanism(formulation):
+    """A crank driven on a mount that a fixed joint holds, a four-bar loop with a sprung joint, and a bead on a circle."""
+    bar = {"inertia": [0.01, 0.1, 0.1]}
+    return Scene(
+        name=f"mechanism {formulation}",
+        solver={"integrator": "rk853", "tolerance": 1e-9, "formulation": formulation},
+        ground={"marker": {"right": {"position": [2, 0, 0]}}},
+        body={
+            "mount": {"mass": 5.0, "inertia": [1, 1, 1]},
+            "crank": {"mass": 1.0, **bar, "marker": {"end": {"position": [0.5, 0, 0]}}},
+            "coupler": {"mass": 2.0, **bar, "marker": {"end": {"position": [2, 0, 0]}}},
+            "rocker": {
+                "mass": 1.5,
+                **bar,
+                "marker": {
+                    "end": {"position": [1, 0, 0]},
+                    "ring": {"curve": {"circle": {"radius": 0.2}}},
+                },
+            },
+            "bead": {"mass": 0.1, "inertia": [1e-4, 1e-4, 1e-4], "output": ["position"]},
+        },
+        joint={
+            "bolt": {"fixed": {}, "between": ["ground", "mount"], "output": ["reaction_moment"]},
+            "motor": {
+                "revolute": {},
+                "between": ["mount", "crank"],
+                "driver": {"harmonic": {"amplitude": 0.7, "frequency": 0.8, "mean": 0.9}},
+                "output": ["effort"],
+            },
+            "pin": {"revolute": {}, "between": ["crank.end", "coupler"], "start": {"angle": -0.4}},
+            "foot": {
+                "revolute": {},
+                "between": ["ground.right", "rocker"],
+                "start": {"angle_deg": 100},
+                "spring": {"stiffness": 3.0},
+                "output": ["angle", "acceleration"],
+            },
+            "top": {"revolute": {}, "between": ["coupler.end", "rocker.end"], "output": ["reaction_force"]},
+            "carry": {"translation": {}, "between": ["ground", "bead"]},
+            "wire": {"point_on_curve": {}, "between": ["rocker.ring", "bead"], "start": {"s": 0.1}, "output": ["s"]},
+        },
+        output=["total_energy"],
+    )
+
+
+@pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
+def test_a_fresh_instance_goes_on_where_another_was(formulation, tmp_path):
+    scene = mechanism(formulation)
+    library = Library(scene.export(tmp_path / "mechanism.fmu"), tmp_path / "mechanism")
+    first = Instance(library).start()
+
+    for i in range(20):
+        assert first.step(i * 0.01, 0.01) == OK, first.log
+
+    data = first.serialise(first.save())
+    second = Instance(library)
+    status, snapshot = second.deserialise(data)
+    assert status == second.restore(snapshot) == OK, second.log
+    assert second.outputs() == first.outputs()
+
+    for i in range(20, 60):
+        assert first.step(i * 0.01, 0.01) == second.step(i * 0.01, 0.01) == OK
+        assert second.outputs() == first.outputs()
+
+    first.free()
+    second.free()
