@@ -141,6 +141,27 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
     )  # fmt: skip
 
     command = _command(
+        commands, _inverse, "inverse", "find the efforts that a motion needs",
+        """The motion is a table (CSV) of joint coordinates by name over time: a row of names, as in
+"time,shoulder.angle [deg],boom.position", then numbers. Speeds and accelerations
+(shoulder.speed, shoulder.acceleration) are taken from there too, else from a spline through
+the positions. A table that `mbdfmi simulate --csv` wrote will do. Where loops close, as many
+joints are driven as there are degrees of freedom.""",
+        """examples:
+  mbdfmi inverse arm.toml --motion reach.csv
+  mbdfmi inverse four_bar.toml --motion run.csv --drive crank --csv torque.csv --plot torque.png""",
+    )  # fmt: skip
+    command.add_argument("scene", **scene)
+    command.add_argument("--motion", required=True, metavar="FILE", help="table of joint coordinates over time (CSV)")
+    command.add_argument(
+        "--drive", action="append", metavar="JOINT",
+        help="drive this joint of those in the table (default: all); may be repeated",
+    )  # fmt: skip
+    command.add_argument("--csv", metavar="FILE", help="write efforts, motion and outputs as a table")
+    command.add_argument("--plot", metavar="FILE", help="write them as a picture: png, svg or pdf")
+    command.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="as in mbdfmi simulate")
+
+    command = _command(
         commands, _info, "info", "show what a scene holds",
         "Bodies, joints, degrees of freedom, solver, and the variables that its FMU will have.",
     )  # fmt: skip
@@ -302,6 +323,25 @@ def _matching(file):
     return sorted(glob.glob(file)) if "*" in file and not Path(file).exists() else [file]
 
 
+def _inverse(options):
+    from .inverse import read_motion
+    from .results import Results
+
+    scene = _load(options.scene)
+    motion = read_motion(options.motion)
+    inputs, parameters = _settings(scene.compile(), options.set)
+    csv = options.csv and _writable(options.csv)
+    plot = options.plot and _writable(options.plot)
+
+    if plot:
+        Results.check_plot(plot)
+
+    with _time_bar(motion["time"][-1]) as progress:
+        results = scene.inverse(motion, drive=options.drive, inputs=inputs, parameters=parameters, progress=progress)
+
+    _show(results, csv, plot)
+
+
 def _simulate(options):
     from .results import Results
 
@@ -320,6 +360,11 @@ def _simulate(options):
     with _time_bar(options.until) as progress:
         results = scene.simulate(options.until, options.step, inputs, parameters, progress=progress)
 
+    _show(results, csv, plot)
+
+
+def _show(results, csv, plot):
+    """Results to files, or a summary to the screen."""
     if csv:
         out.print(str(results.to_csv(csv)), soft_wrap=True)
 
@@ -416,9 +461,8 @@ def _info(options):
     n_parts = len({node for node, _ in model.tree.home.values() if node})
     bodies = _count(len(scene.body), "body", "bodies")
     bodies += f" in {_count(n_parts, 'rigid part')}" if n_parts < len(scene.body) else ""
-    freedoms = f"{_count(model.n_v, 'degree')} of freedom"
-    freedoms += f" less {_count(model.n_row, 'constraint equation')}" if model.n_row else ""
-    out.print(f"{bodies}, {freedoms}")
+    found = _structure(options.scene, scene)
+    out.print(f"{bodies}, {_count(found.freedom, 'degree')} of freedom" if found else bodies)
     out.print(", ".join(_count(len(variables), causality) for causality, variables in of.items()))
     out.print(f"gravity {_vector(scene.gravity)} m/s2")
     out.print(f"solver {_solver(scene.solver)}")
@@ -445,8 +489,60 @@ def _info(options):
 
         _print_table(table)
 
+    if found:
+        _print_structure(found)
+
     for causality in ("input", "output", "parameter")[: 3 if options.parameters else 2]:
         _print_variables(causality, of[causality])
+
+
+def _structure(path, scene):
+    """The scene's Structure; None, and why, where its loops cannot be closed."""
+    from .simulate import SimulationError
+
+    with _doing_first(f"{path}: looking at its freedoms"):
+        try:
+            return scene.structure()
+        except SimulationError as error:
+            err.print(f"{path}: its freedoms cannot be counted: {error}", soft_wrap=True)
+
+
+@contextmanager
+def _doing_first(text):
+    """Shows what may have to wait for the kernels."""
+    if err.is_terminal or not _kernels_are_compiled():
+        with _doing(text if _kernels_are_compiled() else COMPILING):
+            yield
+    else:
+        yield
+
+
+def _print_structure(found):
+    """Where the degrees of freedom come from, and what is not determined."""
+    if found.equations or found.driven:
+        out.print(
+            f"\n{_count(found.coordinates, 'joint coordinate')} less {_count(found.rank, 'independent equation')} "
+            f"(of {found.equations}): {_count(found.freedom, 'degree')} of freedom"
+        )
+
+    if found.freedom_at_start > found.freedom:
+        out.print(f"the start is singular: {_count(found.freedom_at_start, 'degree')} of freedom there")
+
+    for text, names in (("driven", found.driven), ("closing loops", found.closing)):
+        if names:
+            out.print(f"{text}: {', '.join(names)}")
+
+    for heading, rows in (
+        ("equation that follows from others", [(row.owner, row.keeps) for row in found.redundant]),
+        ("reaction not determined", [(row.owner, row.what) for row in found.undetermined]),
+    ):
+        if rows:
+            table = _table("joint", heading)
+
+            for row in rows:
+                table.add_row(*row)
+
+            _print_table(table)
 
 
 def _solver(solver):

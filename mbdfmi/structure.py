@@ -100,7 +100,10 @@ def structure(scene) -> Structure:
 
 
 def _with_all_joints(scene, formulation):
-    """The scene with fixed joints that are not welds, for then they have equations and reactions."""
+    """The scene with fixed joints that are not welds, for then they have equations and reactions.
+
+    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do not depend on it.
+    """
     kept = {
         name: joint.model_copy(update={"output": [*joint.output, "reaction_force"]})
         if joint.kind == "fixed" and not joint.output
@@ -108,7 +111,25 @@ def _with_all_joints(scene, formulation):
         for name, joint in scene.joint.items()
     }
     solver = scene.solver.model_copy(update={"formulation": formulation})
-    return scene.model_copy(update={"joint": kept, "solver": solver})
+    bodies = {name: _with_inertia(body) for name, body in scene.body.items()}
+    return scene.model_copy(update={"body": bodies, "joint": kept, "solver": solver})
+
+
+def _with_inertia(body):
+    """The body itself, or if it has no inertia about some axis, one that has."""
+    mass, com, inertia = body.mass_properties()
+    moments = np.linalg.eigvalsh(inertia)
+
+    if mass > 0.0 and moments[0] > ZERO * moments[-1]:
+        return body
+
+    arms = [com, *(marker.pose()[0] for marker in body.marker.values())]
+    length = max(np.linalg.norm(arm) for arm in arms) or 1.0
+    mass = mass or 1.0
+    inertia = inertia + mass * length**2 * np.eye(3)
+    return body.model_copy(
+        update={"mass": mass, "com": tuple(com), "inertia": inertia.tolist(), "inertia_axes": None, "solid": None}
+    )
 
 
 @dataclass
