@@ -10,7 +10,7 @@ import math
 from . import algebra as al
 from . import contacts, drives, dynamics, forces, joints, tree
 from .language import inlined, kernel
-from .project import project
+from .project import keep_x, project, restore_x
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
 from .tableaux import ERRORS, NODES, ORDER, PAIR_54, PAIR_853, STAGE_COUNT, STAGES
 
@@ -74,20 +74,6 @@ def store_rate(m, d, stage):
         d.stage[stage * n + k] = d.x_rate[k]
 
 
-@inlined
-def set_x_before(m, d):
-    """Remember x at the start of an inner step."""
-    for k in range(m.n_x):
-        d.x_before[k] = d.x[k]
-
-
-@inlined
-def restore_x(m, d):
-    """Back to the start of the inner step."""
-    for k in range(m.n_x):
-        d.x[k] = d.x_before[k]
-
-
 @kernel
 def rk4(m, d, H):
     """Classical Runge-Kutta method of order 4: equal inner steps of at most m.step over H (s).
@@ -100,7 +86,7 @@ def rk4(m, d, H):
 
     for step in range(n_step):
         s = step * h
-        set_x_before(m, d)
+        keep_x(m, d)
 
         for stage in range(4):
             c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
@@ -266,7 +252,7 @@ def adaptive(m, d, H, pair):
         left = H - s
         cut = h >= left * (1.0 - 1e-9)
         step = left if cut else h
-        set_x_before(m, d)
+        keep_x(m, d)
 
         for stage in range(1, STAGE_COUNT[pair]):
             advance(m, d, pair, stage, step)

@@ -169,8 +169,15 @@ def hold(m, d, what):
 
 
 @inlined
-def start_x(m, d):
-    """Back to d.x_before."""
+def keep_x(m, d):
+    """Remember x, for `restore_x`."""
+    for k in range(m.n_x):
+        d.x_before[k] = d.x[k]
+
+
+@inlined
+def restore_x(m, d):
+    """Back to the x kept last."""
     for k in range(m.n_x):
         d.x[k] = d.x_before[k]
 
@@ -187,7 +194,7 @@ def close_loops(m, d, what):
 
     if aimed:
         if failure != OK:
-            start_x(m, d)
+            restore_x(m, d)
 
         contacts.release(m, d)
         failure = project_positions(m, d, GAP_ALLOWED)
@@ -210,13 +217,12 @@ def assemble(m, d):
     tree.kinematics(m, d)
     contacts.start(m, d)
 
-    for k in range(m.n_x):
-        d.x_before[k] = d.x[k]
+    keep_x(m, d)
 
     failure = close_loops(m, d, 1)
 
     if failure != OK:
-        start_x(m, d)
+        restore_x(m, d)
         failure = close_loops(m, d, 4)
 
     if failure != OK:
@@ -248,8 +254,7 @@ def find_redundant(m, d):
 
     Keeps d.x. Nearby: a little way along an allowed motion in which every joint takes part.
     """
-    for k in range(m.n_x):
-        d.x_before[k] = d.x[k]
+    keep_x(m, d)
 
     hold(m, d, 4)
 
@@ -273,4 +278,4 @@ def find_redundant(m, d):
             for row in range(m.n_row):
                 d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
 
-    start_x(m, d)
+    restore_x(m, d)
