@@ -346,10 +346,7 @@ def _close(instance):
     status = project.project(instance.m, instance.d)
 
     if status != OK:
-        raise SimulationError(
-            f"{explain(instance.model, status)}: the motion leads out of reach (time {instance.time:.9g} s)",
-            instance.time,
-        )
+        raise _out_of_reach(explain(instance.model, status), instance.time)
 
 
 def _advance(instance, commands, courses, k, H):
@@ -358,7 +355,14 @@ def _advance(instance, commands, courses, k, H):
         position, speed, _ = courses[name][k]
         instance.u[u + 2] = 2.0 * (courses[name][k + 1][0] - position - speed * H) / H**2
 
-    instance.step(H)
+    try:
+        instance.step(H)
+    except SimulationError as error:
+        raise _out_of_reach(str(error).partition(" (time")[0], error.time) from None
+
+
+def _out_of_reach(reason, time):
+    return SimulationError(f"{reason}; the motion may lead out of reach (time {time:.9g} s)", time)
 
 
 def _results(model, scene, joints, times, columns):
