@@ -464,7 +464,8 @@ def _info(options):
     found = _structure(options.scene, scene)
     out.print(f"{bodies}, {_count(found.freedom, 'degree')} of freedom" if found else bodies)
     out.print(", ".join(_count(len(variables), causality) for causality, variables in of.items()))
-    out.print(f"gravity {_vector(scene.gravity)} m/s2")
+    central = scene.central_gravity
+    out.print(f"gravity {f'central, mu {central.mu:g} m3/s2' if central else f'{_vector(scene.gravity)} m/s2'}")
     out.print(f"solver {_solver(scene.solver)}")
 
     table = _table("body", "mass, kg", "centre of mass, m", "markers", numbers=("mass, kg",))

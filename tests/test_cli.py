@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
 PENDULUM = MODELS / "pendulum.toml"
 ARM = MODELS / "two_link_arm.toml"
+FOUR_BAR = MODELS / "four_bar.toml"
 TURBINE = MODELS / "floating_wind_turbine" / "floating_wind_turbine.toml"
 
 
@@ -96,8 +97,33 @@ def test_info(command, monkeypatch):
     assert "shoulder.angle_start" in printed and "0, -9.81, 0" in printed
 
 
+def test_info_tells_what_a_loop_leaves_undetermined(command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "120")
+    status, printed, _ = command("info", FOUR_BAR)
+
+    assert status == 0
+    assert "3 joint coordinates less 2 independent equations (of 5): 1 degree of freedom" in printed
+    assert "closing loops: rocker_pin" in printed
+    assert "rocker_pin  position along z" in printed
+    assert "crank_pivot   force along z, moment about x and y" in printed
+
+
+def test_inverse(command, tmp_path):
+    """The motion of a free run needs no torque; a table of more than the freedoms is refused with a hint."""
+    run, efforts = tmp_path / "run.csv", tmp_path / "efforts.csv"
+    command("simulate", FOUR_BAR, "--until", 0.5, "--csv", run)
+    status, _, problem = command("inverse", FOUR_BAR, "--motion", run)
+    assert status == 1 and "1 degree of freedom; drive fewer of them (drive=[...], or --drive JOINT)" in " ".join(problem.split())
+
+    status, printed, _ = command("inverse", FOUR_BAR, "--motion", run, "--drive", "crank_pivot", "--csv", efforts)
+    assert status == 0 and printed.split() == [str(efforts)]
+    head, *rows = csv.reader(efforts.open())
+    assert head[:2] == ["time [s]", "crank_pivot.torque [N.m]"]
+    assert max(abs(float(row[1])) for row in rows) < 1e-8
+
+
 @pytest.mark.parametrize("columns", [80, 120])
-@pytest.mark.parametrize("scene", [PENDULUM, ARM, TURBINE])
+@pytest.mark.parametrize("scene", [PENDULUM, ARM, FOUR_BAR, TURBINE])
 def test_info_fits_the_terminal(command, monkeypatch, scene, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
     status, printed, _ = command("info", scene, "--parameters")

@@ -101,7 +101,8 @@ def assert_same(found, expected, names):
 
 def test_all_scenes_are_found():
     assert {path.stem for path in SCENES} >= {
-        "pendulum", "double_pendulum", "two_link_arm", "spinning_top", "floating_wind_turbine",
+        "pendulum", "double_pendulum", "two_link_arm", "spinning_top", "floating_wind_turbine", "four_bar", "bricard",
+        "slider_crank", "cam_follower", "rolling_disk", "spinning_hoop", "satellite", "turntable", "turning_track",
     }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ def start_motion(model):
     """
     m = ModelView(ints=model.ints, reals=model.reals.copy())
     state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(3 * max(1, model.n_u))
+    u[: model.n_u] = [v.start for v in model.of_causality("input")]
     d = DataView(ints=model.ints, state=state, work=work, u=u)
     entry.prepare(m, d)
     entry.initialise(m, d, 0.0)
