@@ -1,7 +1,8 @@
 """Inverse dynamics: given the motion of some joints over time, the efforts that make it.
 
-Each of these joints becomes a driven one; the efforts of the drives are those sought. They act beside all else in the
-joint (spring, damper, friction, stop). Where loops close, as many joints are given as there are degrees of freedom.
+Each of these joints becomes a driven one; the efforts of the drives are those sought. They act
+beside all else in the joint (spring, damper, friction, stop). Where loops close, as many joints
+are given as there are degrees of freedom.
 """
 
 import csv
@@ -28,7 +29,8 @@ from .variables import dotted
 EFFORT = {"revolute": ("torque", "N.m"), "prismatic": ("force", "N")}
 QUANTITIES = ("acceleration", "speed")
 
-# how far joints go at once (rad, or parts of the scene's length) from where the scene starts to where the motion does
+# how far joints go at once (rad, or parts of the scene's length) from where the scene starts to
+# where the motion does
 STRIDE = 0.05
 
 
@@ -43,18 +45,21 @@ def inverse(
 ) -> Results:
     """The efforts that a motion needs.
 
-    motion : the coordinates of revolute and prismatic joints by name ("shoulder.angle", "boom.position"), at `times` or at its
-        own "time": an array, a number (held), or a function of time. Speeds and accelerations ("shoulder.speed",
-        "shoulder.acceleration") are taken where they are given, else from a spline through the positions (of degree 5
-        where there are points enough), or from `.derivative(n)` of a function that has it. Or the path of a CSV file of such
-        columns, or Results of a run: what is no joint's coordinate there is passed over.
+    motion : the coordinates of revolute and prismatic joints by name ("shoulder.angle",
+        "boom.position"), at `times` or at its own "time": an array, a number (held), or a function
+        of time. Speeds and accelerations ("shoulder.speed", "shoulder.acceleration") are taken
+        where they are given, else from a spline through the positions (of degree 5 where there are
+        points enough), or from `.derivative(n)` of a function that has it. Or the path of a CSV
+        file of such columns, or Results of a run: what is no joint's coordinate there is passed
+        over.
     times : (n,) s, ascending; needed where functions are given and no "time".
     drive : which joints of those given in the motion to drive (default: all).
     inputs, parameters : as in `simulate`; numbers, or arrays over the times.
     progress : called with the time reached (s).
 
-    Returns Results: "<joint>.torque" (N m) or "<joint>.force" (N) of each joint driven, then its motion and all outputs of the scene.
-    Raises ValueError where the motion does not fit the scene, SimulationError where the loops cannot follow it.
+    Returns Results: "<joint>.torque" (N m) or "<joint>.force" (N) of each joint driven, then its
+    motion and all outputs of the scene. Raises ValueError where the motion does not fit the scene,
+    SimulationError where the loops cannot follow it.
     """
     if isinstance(motion, (str, Path)):
         motion = read_motion(motion)
@@ -70,22 +75,23 @@ def inverse(
 
     for name in drive or ():
         if name not in given:
-            raise ValueError(f"joint {name!r} is to be driven, but the motion does not tell its coordinate")
+            raise ValueError(f"joint {name!r} is to be driven, but the motion does not tell how")
 
     joints = list(drive or given)
     courses = {name: _course(name, scene.joint[name], given[name], times) for name in joints}
     mechanism = Mechanism(scene, joints)
     _check_freedoms(mechanism, joints)
     starts = {name: mechanism.position(name) for name in joints}
-    scene = _driven(scene, joints)
-    return _run(scene, joints, courses, starts, times, mechanism.length, inputs, parameters, progress)
+    scene, length = _driven(scene, joints), mechanism.length
+    return _run(scene, joints, courses, starts, times, length, inputs, parameters, progress)
 
 
 # the motion
 
 
 def read_motion(path) -> Results:
-    """The columns of a CSV file by name, in SI units; its first row holds names, "shoulder.angle" or "shoulder.angle [deg]".
+    """The columns of a CSV file by name, in SI units; its first row holds names, "shoulder.angle"
+    or "shoulder.angle [deg]".
 
     Raises ValueError with the file's name, row and column.
     """
@@ -102,12 +108,13 @@ def read_motion(path) -> Results:
         unit, factor = _unit(unit)
 
         if unit is None and factor is None:
-            raise ValueError(f"{path}: column {heading!r}: unknown unit; leave it out where it is an SI unit")
+            raise ValueError(f"{path}: column {heading!r}: unknown unit; SI units may be left out")
 
         if name in columns:
             raise ValueError(f"{path}: two columns are called {name!r}")
 
-        columns[name] = np.array([_cell(path, line, row, k, name) for row, line in enumerate(lines[1:], 2)]) / factor
+        cells = [_cell(path, line, row, k, name) for row, line in enumerate(lines[1:], 2)]
+        columns[name] = np.array(cells) / factor
         units[name] = unit
 
     if "time" not in columns:
@@ -131,7 +138,9 @@ def _cell(path, line, row, k, name):
 
 
 def _unit(text):
-    """(SI unit, factor of the unit by it) of a unit's name; (None, 1) for none, (None, None) for an unknown one."""
+    """(SI unit, factor of the unit by it) of a unit's name; (None, 1) for none, (None, None) for
+    an unknown one.
+    """
     if not text or text in UNITS:
         return text or None, 1.0
 
@@ -159,7 +168,9 @@ def _times(motion, times):
 
 
 def _coordinates(scene):
-    """Name of a coordinate, speed or acceleration -> (joint, which of "position", "speed", "acceleration")."""
+    """Name of a coordinate, speed or acceleration -> (joint, which of "position", "speed",
+    "acceleration").
+    """
     known = {}
 
     for name, joint in scene.joint.items():
@@ -185,7 +196,8 @@ def _course(name, joint, given, times):
     position = given.get("position")
 
     if position is None:
-        raise ValueError(f"the motion tells the {' and '.join(given)} of {name!r}, but not its position over time")
+        told = " and ".join(given)
+        raise ValueError(f"the motion tells the {told} of {name!r}, but not its position over time")
 
     if callable(position) and hasattr(position, "derivative"):
         courses = [position] + [position.derivative(n) for n in (1, 2)]
@@ -203,10 +215,12 @@ def _course(name, joint, given, times):
 
 def _column(name, values, times):
     """(n,) of a number, an array or a function of time."""
-    values = np.array([float(values(t)) for t in times]) if callable(values) else np.asarray(values, float)
+    values = [float(values(t)) for t in times] if callable(values) else values
+    values = np.asarray(values, float)
 
     if values.shape not in ((), times.shape):
-        raise ValueError(f"the motion of {name!r} needs {len(times)} values, one for each time; found shape {values.shape}")
+        found = f"found shape {values.shape}"
+        raise ValueError(f"the motion of {name!r} needs {len(times)} values, one a time; {found}")
 
     if not np.all(np.isfinite(values)):
         raise ValueError(f"the motion of {name!r} is not finite")
@@ -248,28 +262,33 @@ def _driven(scene, joints):
 
 
 def _command(scene, name, ending):
-    """Name of the input that drives a joint; `ending` "" for its position, else "speed" or "acceleration"."""
+    """Name of the input that drives a joint; `ending` "" for its position, else "speed" or
+    "acceleration".
+    """
     quantity = ending or COORDINATES[scene.joint[name].kind][0][0]
     return dotted(name, f"{quantity}_command")
 
 
 def _check_freedoms(mechanism, joints):
-    """Raises ValueError unless drives of these joints determine the motion, and each is needed for it."""
+    """Raises ValueError unless drives of these joints determine the motion, and each is needed for
+    it.
+    """
     place = mechanism.generic()
     freedoms = place.motions.shape[1]
     taken = mechanism.driven_freedoms(place, joints)
 
     if taken < len(joints):
         raise ValueError(
-            f"the motion gives {listed(joints)}, but some of these follow from the others: the scene has "
-            f"{_degrees(freedoms)} of freedom; drive fewer of them (drive=[...], or --drive JOINT)"
+            f"the motion gives {listed(joints)}, but some of these follow from the others: the scene "
+            f"has {_degrees(freedoms)} of freedom; drive fewer of them (drive=[...], or --drive JOINT)"
         )
 
     if taken < freedoms:
         could = mechanism.driveable(place, joints)
+        hint = f"of these could be driven too: {listed(could)}"
         raise ValueError(
-            f"the motion of {listed(joints) or 'no joint'} leaves {_degrees(freedoms - taken)} of freedom undetermined; "
-            + (f"of these could be driven too: {listed(could)}" if could else "no revolute or prismatic joint moves in them")
+            f"the motion of {listed(joints) or 'no joint'} leaves {_degrees(freedoms - taken)} of "
+            f"freedom undetermined; {hint if could else 'no revolute or prismatic joint moves in them'}"
         )
 
 
@@ -284,8 +303,10 @@ def _run(scene, joints, courses, starts, times, length, inputs, parameters, prog
     model = compile_scene(scene)
     at = {v.name: v.index for v in model.of_causality("input")}
     commands = {name: at[_command(scene, name, "")] for name in joints}
-    signals = _signals(at, {_command(scene, name, e) for name in joints for e in ("", *QUANTITIES)}, inputs, times)
-    first = {k: values[0] for k, values in signals} | {commands[name]: starts[name] for name in joints}
+    own = {_command(scene, name, ending) for name in joints for ending in ("", *QUANTITIES)}
+    signals = _signals(at, own, inputs, times)
+    first = {k: values[0] for k, values in signals}
+    first |= {commands[name]: starts[name] for name in joints}
     instance = Instance(model, parameters, times[0], first)
     _approach(instance, scene, joints, commands, starts, courses, length)
     columns = np.empty((len(times), model.n_y))
@@ -317,8 +338,8 @@ def _signals(at, commands, inputs, times):
         parts = [key for key in at if key.startswith(f"{name}[")] if name not in at else [name]
 
         if not parts or parts[0] in commands:
-            others = [key for key in at if key not in commands]
-            raise KeyError(f"no input {name!r} beside the motion; there are {', '.join(others) or 'none'}")
+            others = ", ".join(key for key in at if key not in commands)
+            raise KeyError(f"no input {name!r} beside the motion; there are {others or 'none'}")
 
         values = np.asarray(values, float)
         shape = times.shape if len(parts) == 1 else (len(times), len(parts))
@@ -329,14 +350,18 @@ def _signals(at, commands, inputs, times):
 
 
 def _approach(instance, scene, joints, commands, starts, courses, length):
-    """From where the scene starts to where the motion does, in short strides at rest, so that loops stay in their branch."""
+    """From where the scene starts to where the motion does, in short strides at rest, so that
+    loops stay in their branch.
+    """
     span = {name: courses[name][0, 0] - starts[name] for name in joints}
-    strides = [abs(span[name]) / (length if scene.joint[name].kind == "prismatic" else 1.0) for name in joints]
+    unit = {"revolute": 1.0, "prismatic": length}
+    strides = [abs(span[name]) / unit[scene.joint[name].kind] for name in joints]
     n = int(np.ceil(max(strides, default=0.0) / STRIDE))
 
     for k in range(1, n):
         for name in joints:
-            instance.u[commands[name] : commands[name] + 3] = starts[name] + span[name] * k / n, 0.0, 0.0
+            u = commands[name]
+            instance.u[u : u + 3] = starts[name] + span[name] * k / n, 0.0, 0.0
 
         _close(instance)
 

@@ -1,8 +1,10 @@
-"""What a scene's joints leave free: true degrees of freedom by rank, equations that repeat others, reactions that are not determined.
+"""What a scene's joints leave free: true degrees of freedom by rank, equations that repeat others,
+reactions that are not determined.
 
-Ranks are those of the constraints' velocity Jacobian C (rows by velocity coordinates), made free of units by a length of the
-scene. At a singular position (a parallelogram four-bar stretched out) the rank falls for a moment; what holds in every
-position is looked for at two places near the start.
+Ranks are those of the constraints' velocity Jacobian C (rows by velocity coordinates), made free
+of units by a length of the scene. At a singular position (a parallelogram four-bar stretched out)
+the rank falls for a moment; what holds in every position is looked for at two places near the
+start.
 """
 
 from dataclasses import dataclass
@@ -17,8 +19,8 @@ from .model import compile_scene
 from .simulate import Instance
 from .topology import FREEDOMS, axes_with_z
 
-# singular values below this part of the largest are zero: positions are known to the square root of rounding near a
-# singular one
+# singular values below this part of the largest are zero: positions are known to the square root
+# of rounding near a singular one
 ZERO = 1e-6
 
 # how far (rad, or parts of the scene's length) the places near the start are
@@ -31,7 +33,9 @@ DRIVEABLE = ("revolute", "prismatic")
 
 @dataclass(frozen=True)
 class Equation:
-    """A constraint equation: the joint or coupling it belongs to, and what it keeps, in words (inertial axes)."""
+    """A constraint equation: the joint or coupling it belongs to, and what it keeps, in words
+    (inertial axes).
+    """
 
     owner: str
     keeps: str
@@ -50,13 +54,15 @@ class Structure:
     """What the joints of a scene leave free.
 
     coordinates : velocity coordinates of the tree's joints, without the driven ones.
-    equations, rank : constraint equations of what closes loops, rolls or couples; how many are independent.
+    equations, rank : constraint equations of what closes loops, rolls or couples; how many are
+    independent.
     freedom : degrees of freedom, coordinates less rank.
     freedom_at_start : the same at the start alone; more than `freedom` at a singular position.
     driven : joints whose motion is prescribed.
     closing : joints that close loops: they are not in the tree.
     driveable : joints any one of which takes a freedom away when it is driven.
-    redundant : equations that follow from others in every position, those that the solver leaves out.
+    redundant : equations that follow from others in every position, those that the solver leaves
+    out.
     undetermined : reactions that rigid bodies do not determine.
     """
 
@@ -102,7 +108,8 @@ def structure(scene) -> Structure:
 def _with_all_joints(scene, formulation):
     """The scene with fixed joints that are not welds, for then they have equations and reactions.
 
-    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do not depend on it.
+    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own;
+    ranks do not depend on it.
     """
     kept = {
         name: joint.model_copy(update={"output": [*joint.output, "reaction_force"]})
@@ -127,9 +134,8 @@ def _with_inertia(body):
     length = max(np.linalg.norm(arm) for arm in arms) or 1.0
     mass = mass or 1.0
     inertia = inertia + mass * length**2 * np.eye(3)
-    return body.model_copy(
-        update={"mass": mass, "com": tuple(com), "inertia": inertia.tolist(), "inertia_axes": None, "solid": None}
-    )
+    properties = {"mass": mass, "com": tuple(com), "inertia": inertia.tolist()}
+    return body.model_copy(update=properties | {"inertia_axes": None, "solid": None})
 
 
 @dataclass
@@ -138,9 +144,10 @@ class Place:
 
     C : (n_row, n) rows' rates by free velocity coordinates, without units.
     scale : (n_row,) a row of C is this times the row in SI units.
-    moment, force : (n_row, 3) each row's wrench on its second marker's body about that marker's origin, for a unit multiplier;
-        N m and N.
-    twist : (n, n_body, 6) angular velocity and velocity of the nodes' origins for a unit of each coordinate, SI.
+    moment, force : (n_row, 3) each row's wrench on its second marker's body about that marker's
+        origin, for a unit multiplier; N m and N.
+    twist : (n, n_body, 6) angular velocity and velocity of the nodes' origins for a unit of each
+    coordinate, SI.
     r, A : (n_body, 3) m, (n_body, 3, 3) poses of the nodes.
     """
 
@@ -174,9 +181,11 @@ class Place:
 
 
 class Mechanism:
-    """A model at its start, to be looked at from Python. Drives of the joints in `released` count as absent.
+    """A model at its start, to be looked at from Python. Drives of the joints in `released` count
+    as absent.
 
-    free : velocity coordinates that no drive prescribes; units : (n,) the SI value of a unit-free 1 of each.
+    free : velocity coordinates that no drive prescribes; units : (n,) the SI value of a unit-free
+    1 of each.
     length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
     """
 
@@ -203,13 +212,16 @@ class Mechanism:
         self.units = np.where(rotates, 1.0, self.length) if rotates else np.empty(0)
 
     def _length(self):
-        """m: mean distance of the constraints' markers from the origins of their nodes and from each other's nodes."""
+        """m: mean distance of the constraints' markers from the origins of their nodes and from
+        each other's nodes.
+        """
         m, r = self.m, self.d.r.reshape(-1, 3)
         arms = []
 
         for c in range(m.n_constraint):
-            nodes = [m.marker_body[k] for k in (m.constraint_from[c], m.constraint_to[c])]
-            arms += [np.linalg.norm(m.marker_r[3 * k : 3 * k + 3]) for k in (m.constraint_from[c], m.constraint_to[c])]
+            markers = (m.constraint_from[c], m.constraint_to[c])
+            nodes = [m.marker_body[k] for k in markers]
+            arms += [np.linalg.norm(m.marker_r[3 * k : 3 * k + 3]) for k in markers]
             arms += [np.linalg.norm(r[nodes[1]] - r[nodes[0]])] if min(nodes) > 0 else []
 
         arms = [arm for arm in arms if arm > 0.0]
@@ -253,13 +265,15 @@ class Mechanism:
         """Rates of all rows, twists of all nodes at the velocities of the state."""
         tree.kinematics(self.m, self.d)
         rows.write_rows(self.m, self.d)
-        return self.d.row_rate.copy(), np.hstack([self.d.w.reshape(-1, 3), self.d.rd.reshape(-1, 3)])
+        w, rd = self.d.w.reshape(-1, 3), self.d.rd.reshape(-1, 3)
+        return self.d.row_rate.copy(), np.hstack([w, rd])
 
     def _is_coupling(self):
         return self.m.row_kind == rows.COUPLING
 
     def _is_released(self):
-        return [self.m.row_drive[row] >= 0 and self.owner(row) in self.released for row in range(self.m.n_row)]
+        driven = self.m.row_drive >= 0
+        return [driven[row] and self.owner(row) in self.released for row in range(self.m.n_row)]
 
     def _coupling_scale(self, C):
         """1 / the largest unit-free element: what a coupling is about has units of its own."""
@@ -267,7 +281,9 @@ class Mechanism:
         return 1.0 / np.where(largest > 0.0, largest, 1.0)
 
     def _wrenches(self):
-        """(moment, force) (n_row, 3) of each row on its second marker's body, about that marker's origin."""
+        """(moment, force) (n_row, 3) of each row on its second marker's body, about that marker's
+        origin.
+        """
         m, d = self.m, self.d
         force = d.row_force_to.reshape(-1, 3).copy()
         moment = d.row_moment_to.reshape(-1, 3).copy()
@@ -281,11 +297,15 @@ class Mechanism:
         return moment, force
 
     def generic(self) -> Place:
-        """The place of the greatest rank among the start and some near it; the start where that is one of them."""
+        """The place of the greatest rank among the start and some near it; the start where that is
+        one of them.
+        """
         return max([self.here(), *self._nearby()], key=lambda place: place.rank)
 
     def _nearby(self):
-        """Places a little way along allowed motions in which every joint takes part; the state stays at the start."""
+        """Places a little way along allowed motions in which every joint takes part; the state
+        stays at the start.
+        """
         start, last = self.d.x.copy(), self.d.coordinate_last.copy()
         motions = self.here().motions
         places = []
@@ -337,7 +357,8 @@ class Mechanism:
             return Equation(owner, f"rotation {_along('about', moment[:, None])}")
 
         rolling = self.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)
-        return Equation(owner, f"{'velocity' if rolling else 'position'} {_along('along', force[:, None])}")
+        what = "velocity" if rolling else "position"
+        return Equation(owner, f"{what} {_along('along', force[:, None])}")
 
     def undetermined(self, place) -> list[Reaction]:
         """Reactions that a self-stress touches at a place."""
@@ -372,15 +393,22 @@ class Mechanism:
     # joint coordinates
 
     def driveable(self, place, driven=()) -> list[str]:
-        """Joints any one of which could be driven beside those in `driven`: it takes a freedom away."""
-        free = [name for name, joint in self.scene.joint.items() if joint.kind in DRIVEABLE and not joint.driver]
+        """Joints any one of which could be driven beside those in `driven`: it takes a freedom
+        away.
+        """
+        joints_ = self.scene.joint.items()
+        free = [name for name, joint in joints_ if joint.kind in DRIVEABLE and not joint.driver]
         n = self.driven_freedoms(place, driven)
         return [name for name in free if self.driven_freedoms(place, [*driven, name]) > n]
 
     def driven_freedoms(self, place, driven) -> int:
         """How many freedoms drives of these joints take away."""
-        rates = [self._rates(name, place) @ place.motions for name in driven]
-        s = np.linalg.svd(np.reshape(rates, (len(driven), -1)), compute_uv=False) if driven else np.empty(0)
+        motions = place.motions
+
+        if not driven or not motions.size:
+            return 0
+
+        s = np.linalg.svd([self._rates(name, place) @ motions for name in driven], compute_uv=False)
         return int(np.sum(s > 10 * ZERO))
 
     def _rates(self, name, place):
@@ -403,7 +431,9 @@ class Mechanism:
         return (v_b - v_a) @ z
 
     def position(self, name) -> float:
-        """A joint's coordinate (rad, m) at the start; an angle is that nearest to zero where the joint closes a loop."""
+        """A joint's coordinate (rad, m) at the start; an angle is that nearest to zero where the
+        joint closes a loop.
+        """
         for i, node in enumerate(self.model.tree.nodes):
             if node.joint == name:
                 return float(self.d.x[self.m.body_q[i]])
@@ -426,7 +456,9 @@ class Mechanism:
 
 
 def _along(how, vectors):
-    """The directions that vectors (3, k) span, in words: "along z", "about x and y", "normal to ..."; all: ""."""
+    """The directions that vectors (3, k) span, in words: "along z", "about x and y", "normal to
+    ..."; all: "".
+    """
     U, s, _ = np.linalg.svd(vectors)
     rank = int(np.sum(s > 1e-4 * s[0]))
 

@@ -42,7 +42,9 @@ def exact_motion(joints, quantity="angle"):
 
 
 def forward(scene, efforts, times):
-    """Outputs (n, n_y) of a run with inputs that are splines over time, exact to second order over each step."""
+    """Outputs (n, n_y) of a run with inputs that are splines over time, exact to second order over
+    each step.
+    """
     instance = Instance(scene.compile(), inputs={k: float(efforts[v.name](times[0])) for k, v in enumerate(inputs_of(scene))})
     n, rows = instance.model.n_u, []
 
@@ -86,7 +88,9 @@ def test_inverse_then_forward_gives_the_motion_back(formulation):
 
 
 def test_forward_then_inverse_of_a_loop_gives_the_torque_back():
-    """A four-bar whose crank is turned by a known torque, its motion as it was seen: angle, speed and acceleration."""
+    """A four-bar whose crank is turned by a known torque, its motion as it was seen: angle, speed
+    and acceleration.
+    """
     scene = four_bar(input="torque", output=["angle", "speed", "acceleration"]).model_dump(exclude_unset=True)
     scene = Scene(**scene, solver=TIGHT)
     torque = make_interp_spline(TIMES, 20 * np.sin(3 * TIMES), k=5)
@@ -110,14 +114,17 @@ def test_free_motion_needs_no_effort(tmp_path):
 
 
 def four_bar_motion(angle, speed, acceleration, lengths, span):
-    """Poses, velocities, accelerations of the bars' centres by the loop's closure, solved in complex numbers.
+    """Poses, velocities, accelerations of the bars' centres by the loop's closure, solved in
+    complex numbers.
 
-    Returns for each bar (height of its centre, (x', y'), (x'', y''), angular velocity, acceleration).
+    Returns for each bar (height of its centre, (x', y'), (x'', y''), angular velocity,
+    acceleration).
     """
     a, b, c = lengths
     end = a * np.exp(1j * angle)
     d = abs(span - end)
-    # the triangle of coupler and rocker over the line from the crank's end to the right pivot, elbow up
+    # the triangle of coupler and rocker over the line from the crank's end to the right pivot,
+    # elbow up
     base = np.angle(span - end)
     coupler = base + np.arccos((d**2 + b**2 - c**2) / (2 * d * b))
     tip = end + b * np.exp(1j * coupler)
@@ -163,7 +170,9 @@ def test_driven_four_bar_against_virtual_work():
 
 
 def test_any_joint_of_a_loop_can_be_driven():
-    """The power of the drive is the same, whichever joint has the motor; a joint that closes the loop too."""
+    """The power of the drive is the same, whichever joint has the motor; a joint that closes the
+    loop too.
+    """
     scene = four_bar().model_dump(exclude_unset=True)
 
     for joint in scene["joint"].values():

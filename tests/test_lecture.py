@@ -1,4 +1,5 @@
-"""The examples of K. Y. Lee's lecture "Topics in Ship Design Automation" (Seoul National University, 2010) in closed form.
+"""The examples of K. Y. Lee's lecture "Topics in Ship Design Automation" (Seoul National
+University, 2010) in closed form.
 
 Section numbers are the lecture's. Each example that has constraints runs in all three formulations.
 """
@@ -34,7 +35,9 @@ def start(scene, formulation="auto", inputs=None):
 
 @pytest.mark.parametrize("a", [0.0, 2.5, -G])
 def test_elevator(a):
-    """1.2: a scale in an elevator that accelerates upwards shows m (g + a); nothing in free fall."""
+    """1.2: a scale in an elevator that accelerates upwards shows m (g + a); nothing in free
+    fall.
+    """
     y = start(
         {
             "ground": {"motion": {"acceleration": [0, 0, a]}},
@@ -78,7 +81,9 @@ def chair(speed, omega=2.0, radius=1.5):
 
 @pytest.mark.parametrize("speed", [0.0, 0.7])
 def test_chair_on_a_turning_disk(speed):
-    """1.8: its acceleration is -w^2 r inwards and 2 w v to the side; the disk must exert m times that."""
+    """1.8: its acceleration is -w^2 r inwards and 2 w v to the side; the disk must exert m times
+    that.
+    """
     y = start(chair(speed))
     expected = np.array([-(2.0**2) * 1.5, 2 * 2.0 * speed, 0])
     np.testing.assert_allclose(y["chair.acceleration"], expected, atol=1e-12)
@@ -87,7 +92,9 @@ def test_chair_on_a_turning_disk(speed):
 
 
 def test_ball_in_a_slot_with_constant_velocity():
-    """1.9: who stands on the disk sees a straight line, who stands beside it a spiral of Archimedes."""
+    """1.9: who stands on the disk sees a straight line, who stands beside it a spiral of
+    Archimedes.
+    """
     scene = chair(0.4, radius=0.0)
     scene["body"]["chair"]["output"] = ["position", "velocity"]
     t = np.linspace(0, 3, 31)
@@ -99,7 +106,9 @@ def test_ball_in_a_slot_with_constant_velocity():
 
 
 def test_ball_in_a_free_slot():
-    """1.8: without friction it runs outwards as cosh; the slot's side bears the Coriolis force 2 m w r'."""
+    """1.8: without friction it runs outwards as cosh; the slot's side bears the Coriolis force 2 m
+    w r'.
+    """
     scene = mbdfmi.load(MODELS / "turntable.toml")
     found = scene.simulate(2.0, 0.1)
     w, t = 20 * np.pi / 30, found["time"]
@@ -138,7 +147,8 @@ def test_thrown_ball_seen_from_a_turntable():
 
 
 def test_projectile_along_a_meridian():
-    """1.4: a'' = -(w^2 + g^2) part in the equator's plane, -g^2 part along the axis, Coriolis 2 w g to the side.
+    """1.4: a'' = -(w^2 + g^2) part in the equator's plane, -g^2 part along the axis, Coriolis 2 w
+    g to the side.
 
     r = R (cos gt b + sin gt k), b turning at w about k.
     """
@@ -176,7 +186,9 @@ def test_projectile_along_a_meridian():
 
 @all_formulations
 def test_vehicle_on_a_straight_track(formulation):
-    """3.2, 3.3: r'' = J g sin(theta) with J = (cos, -sin), the reaction is m g cos(theta) (sin, cos)."""
+    """3.2, 3.3: r'' = J g sin(theta) with J = (cos, -sin), the reaction is m g cos(theta) (sin,
+    cos).
+    """
     theta = 0.4
     c, s = np.cos(theta), np.sin(theta)
     y = start(
@@ -202,7 +214,9 @@ def test_vehicle_on_a_straight_track(formulation):
 
 @all_formulations
 def test_vehicle_on_a_turning_track(formulation):
-    """3.2, 3.3: J^T M J q'' + J^T M J' q' = J^T F with r = q1 (cos q2, -sin q2): M and k of the lecture, by rows."""
+    """3.2, 3.3: J^T M J q'' + J^T M J' q' = J^T F with r = q1 (cos q2, -sin q2): M and k of the
+    lecture, by rows.
+    """
     rng = np.random.default_rng(1)
     scene = mbdfmi.load(MODELS / "turning_track.toml").model_dump(exclude_unset=True)
 
@@ -228,7 +242,8 @@ def test_vehicle_on_a_turning_track(formulation):
         found = [y["wheels.acceleration"], y["hinge.acceleration"]]
         np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10)
 
-        # from the track on the vehicle, at right angles to it: 2 m q1' q2' + m q1 q2'' against the weight's part
+        # from the track on the vehicle, at right angles to it: 2 m q1' q2' + m q1 q2'' against the
+        # weight's part
         side = -m * (2 * v1 * v2 + q1 * expected[1]) + m * G * np.cos(q2)
         np.testing.assert_allclose(y["wheels.reaction_force"][:2], [0, side], atol=1e-7)
 
@@ -237,8 +252,9 @@ def test_vehicle_on_a_turning_track(formulation):
 def test_pendulum_in_relative_coordinates(formulation):
     """3.4: m l^2 q'' = -m g l sin q; the hinge bears m (g cos q + l q'^2) along the rod.
 
-    The lecture's bob is a particle. Here it is a ball of moment of inertia I, for a body that is free but for its constraints needs
-    one: with m l^2 + I for m l^2 the formula holds, and across the rod the hinge bears I q'' / l.
+    The lecture's bob is a particle. Here it is a ball of moment of inertia I, for a body that is
+    free but for its constraints needs one: with m l^2 + I for m l^2 the formula holds, and across
+    the rod the hinge bears I q'' / l.
     """
     q, v, length, inertia = 0.7, 1.9, 1.3, 1e-3
     body = {"mass": 2.0, "com": [0, -length, 0], "inertia": [inertia] * 3}
@@ -254,7 +270,9 @@ def test_pendulum_in_relative_coordinates(formulation):
 
 @all_formulations
 def test_pendulum_in_absolute_coordinates(formulation):
-    """3.5: M r'' + C_r^T lambda = F, C = x^2 + y^2 - l^2, as a particle on a massless rod; the same motion."""
+    """3.5: M r'' + C_r^T lambda = F, C = x^2 + y^2 - l^2, as a particle on a massless rod; the
+    same motion.
+    """
     q, v, length = 0.7, 1.9, 1.3
     r = length * np.array([np.sin(q), -np.cos(q), 0])
     u = length * v * np.array([np.cos(q), np.sin(q), 0])
@@ -302,7 +320,9 @@ def test_two_prismatic_joints():
 @pytest.mark.parametrize("n", [2, 3, 20])
 @all_formulations
 def test_n_prismatic_joints(formulation, n):
-    """5.3, 5.4: F_n - F_n+1 = m_n x_n'', q_n'' = x_n'' - x_n-1'': forwards and backwards, with as many steps as bodies."""
+    """5.3, 5.4: F_n - F_n+1 = m_n x_n'', q_n'' = x_n'' - x_n-1'': forwards and backwards, with as
+    many steps as bodies.
+    """
     scene, masses = sliders(n)
     rng = np.random.default_rng(n)
     q = rng.normal(size=n)
@@ -317,7 +337,8 @@ def test_n_prismatic_joints(formulation, n):
 
 
 def newton_euler(links, angles, speeds, accelerations):
-    """Torques of a planar arm by the lecture's recursion (5.5): out for the accelerations of G, back for
+    """Torques of a planar arm by the lecture's recursion (5.5): out for the accelerations of G,
+    back for
 
     F_O = F_G + F_O', tau = M_G + r_G/O x F_G + tau' + r_O'/O x F_O', the weight part of F_G here.
 
@@ -416,7 +437,9 @@ def without_dampers(scene):
 
 
 def test_floating_wind_turbine_in_all_three_formulations():
-    """6.2 embedding, 6.3 augmented, 6.4 recursive: the same accelerations, in any position under any loads."""
+    """6.2 embedding, 6.3 augmented, 6.4 recursive: the same accelerations, in any position under
+    any loads.
+    """
     path = MODELS / "floating_wind_turbine" / "floating_wind_turbine.toml"
     scene = mbdfmi.load(path).model_dump(exclude_unset=True)
     scene["body"]["platform"]["output"] = ["acceleration", "alpha"]

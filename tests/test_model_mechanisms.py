@@ -1,4 +1,6 @@
-"""The mechanisms of models/ against closed forms and reference digits: what their comments promise."""
+"""The mechanisms of models/ against closed forms and reference digits: what their comments
+promise.
+"""
 
 import json
 from pathlib import Path
@@ -61,7 +63,9 @@ def test_bricard_keeps_its_energy_and_turns_inside_out():
 
 
 def test_rolling_disk_does_not_slip_and_keeps_its_energy():
-    """Velocity of the rim's lowest point by Euler's formula; energy of the reference run of the same start."""
+    """Velocity of the rim's lowest point by Euler's formula; energy of the reference run of the
+    same start.
+    """
     results = model("rolling_disk").simulate(5.0)
     E = results["coin.euler_parameters"]
     A = Rotation.from_quat(E).as_matrix()
@@ -84,7 +88,9 @@ def test_bead_on_the_spinning_hoop():
 
 
 def test_satellite_moves_as_hill_clohessy_and_wiltshire_say():
-    """They are linear in distance over radius: 200 m in 6778 km leave 3e-5 of an orbit's 100 m unsaid."""
+    """They are linear in distance over radius: 200 m in 6778 km leave 3e-5 of an orbit's 100 m
+    unsaid.
+    """
     results = model("satellite").simulate(5000.0, 50.0)
     n = model("satellite").ground.motion.orbit.rate
     t = results["time"]

@@ -1,4 +1,6 @@
-"""Degrees of freedom by rank, redundant equations and undetermined reactions of mechanisms for which they are known."""
+"""Degrees of freedom by rank, redundant equations and undetermined reactions of mechanisms for
+which they are known.
+"""
 
 
 import numpy as np
@@ -76,7 +78,9 @@ def test_four_bar_with_spherical_and_cylindrical_joints_is_determined():
 
 
 def test_flat_parallelogram_is_singular_for_a_moment():
-    """Stretched out it can leave as a parallelogram or an antiparallelogram: two freedoms there, one elsewhere."""
+    """Stretched out it can leave as a parallelogram or an antiparallelogram: two freedoms there,
+    one elsewhere.
+    """
     found = four_bar((1, 2, 1), angle=0.0).structure()
     assert (found.freedom, found.freedom_at_start) == (1, 2)
     assert len(found.redundant) == 3
