@@ -53,6 +53,15 @@ def test_slider_crank_is_a_slider_crank():
     np.testing.assert_allclose(results["main_bearing.effort"] * w, power, atol=2e-2)
 
 
+def test_slider_crank_driven_by_a_given_motion_instead():
+    """The motion of its own driver, given to inverse dynamics, needs the effort of that driver."""
+    scene = model("slider_crank")
+    results = scene.simulate(0.4, 0.005)
+    found = scene.inverse({"main_bearing.angle": lambda t: 10 * np.pi * t}, results["time"])
+
+    np.testing.assert_allclose(found["main_bearing.torque"], results["main_bearing.effort"], atol=1e-9)
+
+
 def test_bricard_keeps_its_energy_and_turns_inside_out():
     """By symmetry the end of rod 3 swings between heights -1 and -sqrt(3), IFToMM's problem A04."""
     results = model("bricard").simulate(10.0, 0.01)
