@@ -185,7 +185,7 @@ def _preference(joint):
     own = own or any(not name.startswith("reaction") for name in joint.output) or "start" in joint.model_fields_set
     driven = joint.driver is not None
     freedoms = FREEDOMS[joint.kind]
-    return (not driven, freedoms == 6, freedoms > 0 and not own, freedoms)
+    return (not driven, freedoms == 6 and not own, freedoms > 0 and not own, freedoms)
 
 
 def chain(joint):

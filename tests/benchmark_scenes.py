@@ -6,19 +6,22 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi import Scene
 from mbdfmi.topology import axes_with_z
 
 REFERENCE = Path(__file__).parent / "reference"
 
 
 def problem(name):
-    """The problem file of a name, as a dict."""
-    return json.loads((REFERENCE / f"{name}.json").read_text())
+    """The problem file of a name, as a dict; `column` by quantity and the times `t` (n,) beside."""
+    data = json.loads((REFERENCE / f"{name}.json").read_text())
+    table = data.get("reference", data)
+    data["column"] = dict(zip(table["quantities"], np.array(table["values"], float).T))
+    data["t"] = data["column"]["t"]
+    return data
 
 
 def scene_of(data, body_output=(), **extra):
-    """A Scene of a problem's bodies, joints, spring-dampers, gravity and start velocities.
+    """The scene (a dict) of a problem's bodies, joints, spring-dampers, torques, gravity and start velocities.
 
     Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies without
     joints get free ones. body_output: outputs of every body. `extra`: further keys of the scene; tables are merged.
@@ -44,6 +47,11 @@ def scene_of(data, body_output=(), **extra):
             joints[name]["start"] = {"omega": (axes.T @ relative).tolist()}
 
     for k, force in enumerate(data["forces"]):
+        if force["type"] == "torque":
+            name = bodies[force["body"]].marker(f"f{k + 1}", bodies[force["body"]].r, np.eye(3))
+            forces[f"torque {k + 1}"] = {"load": {"moment": force["vector"]}, "on": name}
+            continue
+
         forces[f"spring {k + 1}"] = {
             "spring_damper": {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]},
             "between": [
@@ -77,7 +85,7 @@ def scene_of(data, body_output=(), **extra):
     for key, value in extra.items():
         tables[key] = tables.get(key, {}) | value if isinstance(value, dict) else value
 
-    return Scene(**tables)
+    return tables
 
 
 class _Body:

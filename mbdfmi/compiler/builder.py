@@ -33,6 +33,7 @@ class Builder:
     embeds : dynamics by the joint-space mass matrix.
     single : arrays that belong to no table, by name; counts : numbers that are no table's length.
     drive_of : node -> its drive; driven_cuts : joint outside the tree -> its drive.
+    joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     """
@@ -50,6 +51,7 @@ class Builder:
         self.counts = {}
         self.constraint_names = []
         self.constraint_nodes = []
+        self.joint_constraints = {}
         self.drive_of = {}
         self.driven_cuts = {}
         self.reactions = []

@@ -27,8 +27,9 @@ ROWS = {
     "point_on_plane": [TOGETHER[2]],
     "point_on_line": TOGETHER[:2],
     "distance": [(rows.DISTANCE, 0, 0)],
-    "rolling_sphere": [(rows.ROLL_SPHERE, axis, 0) for axis in range(3)],
-    "rolling_disk": [(rows.ROLL_DISK, axis, 0) for axis in range(3)],
+    # what is about positions comes first: where rows repeat each other, those about velocities alone go
+    "rolling_sphere": [(rows.ROLL_SPHERE, axis, 0) for axis in (2, 0, 1)],
+    "rolling_disk": [(rows.ROLL_DISK, axis, 0) for axis in (2, 0, 1)],
     "knife_edge": [(rows.KNIFE, 0, 2)],
 }
 
@@ -44,11 +45,14 @@ def add_constraints(builder):
 
     # the joint-space mass matrix spreads every row over all coordinates
     every = list(range(1, len(builder.nodes)))
-    path = [every if builder.embeds else _path(builder, c["nodes"]) for c in constraints]
+    path = [every if builder.embeds else _path(builder, c) for c in constraints]
     order, meets = _elimination(_neighbours(builder, path))
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c["name"] for c in constraints]
     builder.constraint_nodes = [c["nodes"] for c in constraints]
+    builder.joint_constraints = {
+        c["name"]: k for k, c in enumerate(constraints) if c["rows"][0][0] != rows.COUPLING
+    }
     _add_tables(builder, constraints, [path[k] for k in order], meets)
 
 
@@ -86,10 +90,13 @@ def _rows(builder, name, joint):
 def _turns(joint):
     """Rotation matrices that bring the z axes of a joint's two markers to the axes that its rows are about.
 
-    Curves and surfaces stay in their markers' own axes.
+    Curves and surfaces, and planes to roll on, stay in their markers' own axes.
     """
     if joint.kind in contacts.KINDS:
         return [np.eye(3)] * 2
+
+    if joint.kind in ("rolling_sphere", "rolling_disk"):
+        return [np.eye(3), axes_with_z(joint.axis)]
 
     if joint.kind == "universal":
         return [axes_with_z(axis) for axis in joint.axes]
@@ -97,16 +104,27 @@ def _turns(joint):
     return [axes_with_z(joint.axis)] * 2
 
 
-def _path(builder, nodes):
-    """Nodes between these and the ground, ascending."""
+def _path(builder, constraint):
+    """Nodes between a constraint and the ground, ascending; none where it is between parts of one rigid body."""
     path = set()
 
-    for i in nodes:
+    if len({_rigid_part(builder, i) for i in constraint["nodes"]}) == 1 and constraint["rows"][0][0] != rows.COUPLING:
+        return []
+
+    for i in constraint["nodes"]:
         while i > 0:
             path.add(i)
             i = builder.nodes[i].parent
 
     return sorted(path)
+
+
+def _rigid_part(builder, i):
+    """The node that leads a rigid part of the tree, of which node i is one."""
+    while builder.nodes[i].kind == "fixed":
+        i = builder.nodes[i].parent
+
+    return i
 
 
 def _elimination(neighbours):

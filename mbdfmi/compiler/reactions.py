@@ -3,8 +3,6 @@
 
 def add_reactions(builder):
     """What the kernels need of the joints whose reactions outputs have asked for, in that order."""
-    constraint = {name: c for c, name in enumerate(builder.constraint_names)}
-
     for name in builder.reactions:
         first, second = builder.scene.joint[name].between
         nodes = builder.joint_nodes.get(name)
@@ -12,6 +10,6 @@ def add_reactions(builder):
             reaction_from=builder.marker(first),
             reaction_to=builder.marker(second),
             reaction_body=max(nodes) if nodes else -1,
-            reaction_constraint=-1 if nodes else constraint[name],
+            reaction_constraint=-1 if nodes else builder.joint_constraints[name],
             reaction_input=builder.torque_inputs.get(name, -1),
         )

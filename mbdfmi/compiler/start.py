@@ -1,6 +1,7 @@
 """Where things are at the start, as far as start values alone tell."""
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from ..topology import IDENTITY, compose, inverse
@@ -34,6 +35,9 @@ def _joint_pose(builder, i):
     node = builder.nodes[i]
     q = builder.single["q_start"][builder.q[i] :]
 
+    if not node.joint and builder.scene.ground.motion and i == builder.tree.home["ground"][0]:
+        return _ground_pose(builder.scene.ground.motion)
+
     if node.kind == "revolute":
         return np.zeros(3), Rotation.from_rotvec([0, 0, q[0]]).as_matrix()
 
@@ -46,3 +50,26 @@ def _joint_pose(builder, i):
     r, E = (q[:3], q[3:7]) if node.kind == "free" else (np.zeros(3), q[:4])
     pose = (r, Rotation.from_quat(E).as_matrix())
     return inverse(pose) if node.reversed else pose
+
+
+def _ground_pose(motion):
+    """Pose of a moving ground in the inertial frame at time 0."""
+    if motion.kind == "acceleration":
+        return np.array(motion.position), np.eye(3)
+
+    if motion.kind == "rotation":
+        turn = motion.rotation
+        A = Rotation.from_rotvec(turn.angle_value() * turn.direction()).as_matrix()
+        return turn.point - A @ turn.point, A
+
+    if motion.kind == "orbit":
+        A = motion.orbit.axes() @ Rotation.from_rotvec([0, 0, motion.orbit.phase_value()]).as_matrix()
+        return motion.orbit.radius * A[:, 0], A if motion.orbit.pointing else np.eye(3)
+
+    if motion.kind == "table":
+        time, position, E = motion.table.points()
+        now = np.clip(0.0, time[0], time[-1])
+        r, E = np.split(CubicSpline(time, np.hstack([position, E]))(now), [3])
+        return r, Rotation.from_quat(E).as_matrix()
+
+    return IDENTITY

@@ -11,15 +11,21 @@ rows before them.
 import math
 
 from . import algebra as al
-from . import coordinates, joints, rows
+from . import coordinates, joints, markers, rows
 from .language import inlined, kernel
 
-# a row is dropped when what it adds to the rows before it is this small beside the largest row of its kind in the same
-# constraint (squared sine of an angle: the square root of the machine precision)
+# a row is dropped when what it adds to the rows before it is this small beside its reference (see row_reference): squared
+# sine of an angle, the square root of the machine precision
 DROP = 1e-8
 
 # ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
 NOISE = 1e-14
+
+# a row that adds less than this to the rows before it gives its place to a redundant one that adds more
+WEAK = 1e-3
+
+# of row_redundant: a redundant row that may take another's place
+CANDIDATE = 2.0
 
 
 @inlined
@@ -46,7 +52,7 @@ def unwhiten(F, w):
 
 
 @inlined
-def pass_joint(m, d, row, i, at, coefficient):
+def pass_joint(m, d, row, r, i, at, coefficient):
     """Take a row's wrench past joint i: its whitened response to d.reach from `at` on, the rest to the parent.
 
     `coefficient` is the row's effort in the joint itself (couplings).
@@ -63,7 +69,9 @@ def pass_joint(m, d, row, i, at, coefficient):
         e = coefficient + al.dot(axis, wrench)
         D = d.D[6 * i]
         d.reach[at] = e / math.sqrt(D)
-        d.row_size[row] += al.dot(wrench, wrench) / D
+        lever = al.sub(r, al.vec3(d.r, i))
+        moment = al.vec3(d.passed_moment, i)
+        d.row_size[row] += largest_effort(kind, moment, al.vec3(d.passed_force, i), lever) / D
         subtract_scaled(d, i, e / D, al.vec3(d.U_w, i), al.vec3(d.U_r, i))
 
     elif kind == joints.SPHERICAL:
@@ -95,6 +103,7 @@ def reach_rows(m, d):
         end = first + m.constraint_paths[c]
         body_a = m.marker_body[m.constraint_from[c]]
         body_b = m.marker_body[m.constraint_to[c]]
+        r = markers.position(m, d, m.constraint_to[c])
 
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
@@ -122,7 +131,7 @@ def reach_rows(m, d):
 
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
-                pass_joint(m, d, row, i, at + m.path_at[step], rows.effort_on(m, row, i))
+                pass_joint(m, d, row, r, i, at + m.path_at[step], rows.effort_on(m, row, i))
 
 
 @inlined
@@ -164,6 +173,30 @@ def product(m, d, row, other):
             turn += 1
 
     return total
+
+
+@inlined
+def largest_effort(kind, moment, force, lever):
+    """Square of what a wrench could be as effort in a joint of one freedom if it met the axis as well as it can.
+
+    lever : m, from the joint to where the force acts.
+    """
+    square = al.dot(force, force)
+
+    if kind == joints.PRISMATIC:
+        return square
+
+    return al.dot(moment, moment) + square * al.dot(lever, lever)
+
+
+@inlined
+def row_reference(m, d, row):
+    """What a row's pivot is to be judged by.
+
+    Its own diagonal element, unless its wrenches miss the axes of joints that they could meet: then what they could do there, but
+    not more than the largest of its kind in the same constraint does.
+    """
+    return min(largest_of_kind(m, d, row), max(d.row_diagonal[row], d.row_size[row]))
 
 
 @inlined
@@ -250,10 +283,11 @@ def factor_row(m, d, c, i):
 
 
 @kernel
-def factor_rows(m, d):
+def factor_rows(m, d, positional):
     """L D L^T of R R^T, in blocks of constraints that meet (fill included).
 
-    The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped.
+    The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped, and when `positional` also of
+    rows that are about velocities alone.
     """
     for row in range(m.n_row):
         d.row_diagonal[row] = product(m, d, row, row)
@@ -262,8 +296,70 @@ def factor_rows(m, d):
         for i in range(m.constraint_rows[c]):
             pivot = factor_row(m, d, c, i)
             row = m.constraint_row[c] + i
-            new = pivot > DROP * largest_of_kind(m, d, row) and pivot > NOISE * d.row_size[row]
-            d.pivot[row] = 1.0 / pivot if new and d.row_redundant[row] == 0.0 else 0.0
+            new = pivot > DROP * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]
+            new = new and d.row_redundant[row] != 1.0 and not (positional and rows.is_of_velocity(m, row))
+            d.pivot[row] = 1.0 / pivot if new else 0.0
+
+
+@inlined
+def weakest_row(m, d):
+    """(row, share): of those not redundant the row that adds least to the rows before it, 0 where it was dropped."""
+    weakest = 0
+    least = math.inf
+
+    for row in range(m.n_row):
+        if d.row_redundant[row] != 1.0:
+            share = 0.0 if d.pivot[row] == 0.0 else 1.0 / (d.pivot[row] * row_reference(m, d, row))
+
+            # of candidates some are dropped in any case
+            if share < least and (share > 0.0 or d.row_redundant[row] == 0.0):
+                weakest = row
+                least = share
+
+    return weakest, least
+
+
+@kernel
+def exchange_rows(m, d):
+    """Redundant rows take the place of weak ones, when they add more.
+
+    How many rows follow from others is a matter of structure, which of them can stand for the others is one of position.
+    Needs reach_rows and factor_rows at the same positions; leaves a factor without the rows that are redundant then.
+    """
+    redundant = 0
+
+    for row in range(m.n_row):
+        redundant += 1 if d.row_redundant[row] > 0.0 else 0
+
+    for attempt in range(redundant):
+        weak, share = weakest_row(m, d)
+
+        if share > WEAK:
+            return
+
+        for row in range(m.n_row):
+            d.row_redundant[row] *= CANDIDATE
+
+        d.row_redundant[weak] = 1.0
+        factor_rows(m, d, False)
+        dropped = 0
+
+        for row in range(m.n_row):
+            dropped += 1 if d.pivot[row] == 0.0 else 0
+
+        better = dropped == redundant and weakest_row(m, d)[1] > share
+        d.row_redundant[weak] = 0.0
+
+        for row in range(m.n_row):
+            if better:
+                d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
+            else:
+                d.row_redundant[row] /= CANDIDATE
+
+        # at a singular position there is nothing better
+        if not better:
+            factor_rows(m, d, False)
+            return
 
 
 @inlined

@@ -17,7 +17,7 @@ def accelerate(m, d):
         return failure
 
     rows.write_rows(m, d)
-    reach_and_factor(m, d)
+    reach_and_factor(m, d, False)
 
     # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
     for row in range(m.n_row):
@@ -29,14 +29,14 @@ def accelerate(m, d):
 
 
 @inlined
-def reach_and_factor(m, d):
+def reach_and_factor(m, d, positional):
     """Responses of all rows and the factor of C M^-1 C^T."""
     if m.embeds == 1:
         embedding.reach_rows(m, d)
     else:
         constraints.reach_rows(m, d)
 
-    constraints.factor_rows(m, d)
+    constraints.factor_rows(m, d, positional)
 
 
 @kernel
@@ -52,12 +52,15 @@ def correct(m, d):
 
 
 @kernel
-def factor_rows_here(m, d):
-    """Factor of C M^-1 C^T at the positions that kinematics and write_rows have seen. Returns a status."""
+def factor_rows_here(m, d, positional):
+    """Factor of C M^-1 C^T at the positions that kinematics and write_rows have seen. Returns a status.
+
+    positional : without rows that are about velocities alone.
+    """
     tree.inertias(m, d)
     failure = embedding.factor(m, d) if m.embeds == 1 else tree.aba(m, d)
 
     if failure == OK:
-        reach_and_factor(m, d)
+        reach_and_factor(m, d, positional)
 
     return failure

@@ -7,7 +7,7 @@ articulated-body passes leave: x_rate, the bodies' accelerations, whitened respo
 import math
 
 from . import algebra as al
-from . import joints, rows, tree
+from . import constraints, joints, markers, rows, tree
 from .language import inlined, kernel
 from .status import OK, SINGULAR_INERTIA, status
 
@@ -112,10 +112,10 @@ def forward(m, d):
 
 
 @inlined
-def add_jacobian(m, d, row, i, moment, force):
+def add_jacobian(m, d, row, r, i, moment, force):
     """Efforts S^T (moment, force) that a wrench about body i's origin means in all joints below it, onto the row of d.reach.
 
-    Adds to row_size what they could be if the wrench met the axes of these joints.
+    Adds to row_size what they could be if the wrench, whose force acts at r, met the axes of these joints.
     """
     n = m.n_v
 
@@ -125,10 +125,12 @@ def add_jacobian(m, d, row, i, moment, force):
 
         for k in range(joints.n_v(kind) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
-            wrench = moment if al.dot(S_w, S_w) > 0.0 else force
             diagonal = d.mass_matrix[n * (v + k) + v + k]
             d.reach[row * n + v + k] += al.dot(S_w, moment) + al.dot(S_r, force)
-            d.row_size[row] += al.dot(wrench, wrench) / (diagonal * diagonal)
+
+            if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+                lever = al.sub(r, al.vec3(d.r, i))
+                d.row_size[row] += constraints.largest_effort(kind, moment, force, lever) / (diagonal * diagonal)
 
         moment = al.add(moment, al.cross(al.vec3(d.arm, i), force))
         i = m.body_parent[i]
@@ -149,8 +151,9 @@ def reach_rows(m, d):
 
         a = m.marker_body[m.constraint_from[c]]
         b = m.marker_body[m.constraint_to[c]]
-        add_jacobian(m, d, row, a, al.vec3(d.row_moment_from, row), al.vec3(d.row_force_from, row))
-        add_jacobian(m, d, row, b, al.vec3(d.row_moment_to, row), al.vec3(d.row_force_to, row))
+        r = markers.position(m, d, m.constraint_to[c])
+        add_jacobian(m, d, row, r, a, al.vec3(d.row_moment_from, row), al.vec3(d.row_force_from, row))
+        add_jacobian(m, d, row, r, b, al.vec3(d.row_moment_to, row), al.vec3(d.row_force_to, row))
 
         if m.row_kind[row] == rows.COUPLING:
             for i in range(1, m.n_body):
@@ -160,8 +163,8 @@ def reach_rows(m, d):
             if m.constraint_from_2[c] >= 0:
                 a = m.marker_body[m.constraint_from_2[c]]
                 b = m.marker_body[m.constraint_to_2[c]]
-                add_jacobian(m, d, row, a, al.vec3(d.row_moment_from_2, row), al.vec3(d.row_force_from_2, row))
-                add_jacobian(m, d, row, b, al.vec3(d.row_moment_to_2, row), al.vec3(d.row_force_to_2, row))
+                add_jacobian(m, d, row, r, a, al.vec3(d.row_moment_from_2, row), al.vec3(d.row_force_from_2, row))
+                add_jacobian(m, d, row, r, b, al.vec3(d.row_moment_to_2, row), al.vec3(d.row_force_to_2, row))
 
         solve_lower(d.mass_matrix, n, d.reach, at)
 

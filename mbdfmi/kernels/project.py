@@ -3,7 +3,7 @@
 import math
 
 from . import algebra as al
-from . import contacts, coordinates, drives, dynamics, joints, rows, tree
+from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
 from .language import inlined, kernel
 from .status import LOOP_OPEN, OK, status
 
@@ -106,7 +106,7 @@ def project_positions(m, d, gap_allowed):
         if done and iteration > 0:
             return OK
 
-        failure = dynamics.factor_rows_here(m, d)
+        failure = dynamics.factor_rows_here(m, d, True)
 
         if failure != OK or done:
             return failure
@@ -128,9 +128,18 @@ def project_positions(m, d, gap_allowed):
     return status(LOOP_OPEN, m.n_body + worst_constraint(m, d))
 
 
+@inlined
+def factor_for_velocities(m, d):
+    """The factor that project_positions leaves, with rows that are about velocities alone."""
+    for row in range(m.n_row):
+        if rows.is_of_velocity(m, row):
+            constraints.factor_rows(m, d, False)
+            return
+
+
 @kernel
 def project_velocities(m, d):
-    """The nearest velocities (in the mass metric) that the rows allow; rows and factor as project_positions leaves them."""
+    """The nearest velocities (in the mass metric) that the rows allow; needs rows and their factor."""
     for row in range(m.n_row):
         d.row_left[row] = -d.row_rate[row]
 
@@ -154,6 +163,8 @@ def project(m, d):
         failure = project_positions(m, d, GAP_ALLOWED)
 
         if failure == OK:
+            factor_for_velocities(m, d)
+            constraints.exchange_rows(m, d)
             project_velocities(m, d)
 
     coordinates.follow_turns(m, d)
@@ -232,7 +243,7 @@ def assemble(m, d):
 
     for what in (2, 4):
         hold(m, d, what)
-        failure = dynamics.factor_rows_here(m, d)
+        failure = dynamics.factor_rows_here(m, d, False)
 
         if failure != OK:
             return failure
@@ -265,7 +276,7 @@ def find_redundant(m, d):
     tree.kinematics(m, d)
     rows.write_rows(m, d)
 
-    if dynamics.factor_rows_here(m, d) == OK:
+    if dynamics.factor_rows_here(m, d, False) == OK:
         project_velocities(m, d)
         size = largest(d.x, m.n_x)
 
@@ -275,7 +286,11 @@ def find_redundant(m, d):
         move_by_change(m, d, 0.1 / (1.0 + size))
 
         if project_positions(m, d, GAP_ALLOWED) == OK:
+            factor_for_velocities(m, d)
+
             for row in range(m.n_row):
                 d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
+
+            constraints.exchange_rows(m, d)
 
     restore_x(m, d)

@@ -25,6 +25,13 @@ CONTACT = 7  # row i of contact j
 
 
 @inlined
+def is_of_velocity(m, row):
+    """Whether a row says nothing of positions."""
+    kind = m.row_kind[row]
+    return kind == KNIFE or ((kind == ROLL_SPHERE or kind == ROLL_DISK) and m.row_i[row] < 2)
+
+
+@inlined
 def column(A, k):
     """Column k of a matrix."""
     return (A[0][k], A[1][k], A[2][k])
