@@ -15,8 +15,9 @@ from . import coordinates, joints, markers, rows
 from .language import inlined, kernel
 
 # a row is dropped when what it adds to the rows before it is this small beside its reference (see row_reference): squared
-# sine of an angle, the square root of the machine precision
-DROP = 1e-8
+# sine of an angle. Where a four-bar is singular, 1e-8 costs ten times the energy that this does, and below 1e-10 it is felt
+# by how much the stages of a step are off the constraints
+DROP = 1e-9
 
 # ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
 NOISE = 1e-14
@@ -287,17 +288,21 @@ def factor_rows(m, d, positional):
     """L D L^T of R R^T, in blocks of constraints that meet (fill included).
 
     The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped, and when `positional` also of
-    rows that are about velocities alone.
+    rows that are about velocities alone. A row that follows only from such rows is then not redundant.
     """
+    apart = False
+
     for row in range(m.n_row):
         d.row_diagonal[row] = product(m, d, row, row)
+        apart = apart or (positional and rows.is_of_velocity(m, row))
 
     for c in range(m.n_constraint):
         for i in range(m.constraint_rows[c]):
             pivot = factor_row(m, d, c, i)
             row = m.constraint_row[c] + i
             new = pivot > DROP * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]
-            new = new and d.row_redundant[row] != 1.0 and not (positional and rows.is_of_velocity(m, row))
+            new = new and (apart or d.row_redundant[row] != 1.0)
+            new = new and not (positional and rows.is_of_velocity(m, row))
             d.pivot[row] = 1.0 / pivot if new else 0.0
 
 
