@@ -12,7 +12,7 @@ from . import contacts, drives, dynamics, forces, joints, tree
 from .language import inlined, kernel
 from .project import keep_x, project, restore_x
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
-from .tableaux import ERRORS, NODES, ORDER, PAIR_54, PAIR_853, STAGE_COUNT, STAGES
+from .tableaux import ERRORS, NODES, ORDER, PAIR_54, STAGE_COUNT, STAGES
 
 RK4 = 0
 RK54 = 1

@@ -8,8 +8,6 @@ Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p lev
 point of the first body that is where the second's is.
 """
 
-import math
-
 from . import algebra as al
 from . import contacts, coordinates, drives, markers
 from .language import inlined, kernel

@@ -2,7 +2,7 @@
 import numpy as np
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
-from excitation import GRAVITY, cylinder_excitation
+from excitation import cylinder_excitation
 
 RADIUS = np.sqrt(40.0 * 40.0 / np.pi)           # m, of the barge's waterplane
 DRAUGHT, DEPTH = 4.0, 150.0                     # m
