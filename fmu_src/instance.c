@@ -206,6 +206,15 @@ fmi2Status instance_outputs(Instance *c)
     return result;
 }
 
+/* What the kernels want to have told, once; the state may come from outside. */
+static void tell_notice(Instance *c)
+{
+    double notice = c->state[2];
+
+    c->state[2] = 0;
+    if (notice > 0 && notice < INT32_MAX) report(c, fmi2OK, "step", 0, (int64_t)notice);
+}
+
 /* The inputs are quadratic in time over a step: moves their start to its end. */
 static void advance_inputs(Instance *c, double H)
 {
@@ -237,6 +246,7 @@ fmi2Status instance_step(Instance *c, double t, double H)
     int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
                                  c->state, c->work, c->u, H);
 
+    tell_notice(c);
     result = report(c, fmi2Discard, "step", broken, status);
     c->current = false;
     if (result == fmi2OK) {

@@ -6,9 +6,9 @@
 
    ints    structure of the model, read only, shared by everything
    reals   parameters and constants of one instance, SI units
-   state   state of one instance: state[0] is the time (s), the rest is the kernels' own, what
-           prepare derives from the parameters too
-   work    scratch, zero at first
+   state   state of one instance: state[0] is the time (s), state[2] a status to tell in the log
+           (0: none), the rest is the kernels' own, what prepare derives from the parameters too
+   work    scratch, zero at first; work[0] is to be 0 when the state is not that of the last call
    u       3*n_u: values of the inputs, then their first, then their second derivatives
            at the start of the step; those that prescribe a motion are carried to its end
    y       n_y outputs

@@ -47,6 +47,7 @@ void snapshot_restore(Instance *c, const Snapshot *s)
 {
     c->current = false;
     memcpy(c->core, (const char *)s + HEAD_SIZE, c->core_size);
+    c->work[0] = 0;
 }
 
 void snapshot_free(Snapshot *s)

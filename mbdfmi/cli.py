@@ -364,7 +364,10 @@ def _simulate(options):
 
 
 def _show(results, csv, plot):
-    """Results to files, or a summary to the screen."""
+    """Results to files, or a summary to the screen; what the solver had to say of them."""
+    for notice in results.notices:
+        err.print(f"note: {notice}", soft_wrap=True)
+
     if csv:
         out.print(str(results.to_csv(csv)), soft_wrap=True)
 

@@ -114,6 +114,12 @@ def _assemble(builder):
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": integrate.INTEGRATORS[scene.solver.integrator],
     }
+    rows, implicit = integrate.memory(scene.solver.integrator)
+    counts |= {
+        "n_dense": rows * counts["n_x"],
+        "n_jacobian": implicit * counts["n_x"] ** 2,
+        "n_swap": implicit * counts["n_x"],
+    }
     header, length = layout.arrange(counts)
     buffers = {"ints": np.zeros(length["ints"], np.int64), "reals": np.zeros(length["reals"])}
     buffers["ints"][: len(header)] = header

@@ -14,12 +14,20 @@ class Results(Mapping):
     """Columns (numpy arrays, one value a row) by variable name; "time" (s) comes first.
 
     units : unit of each column by name, None for those without.
+    notices : what the solver had to say of the run, with times, as that the motion became stiff.
     """
 
-    def __init__(self, columns: dict[str, np.ndarray], units: dict[str, str | None], title: str = ""):
+    def __init__(
+        self,
+        columns: dict[str, np.ndarray],
+        units: dict[str, str | None],
+        title: str = "",
+        notices: list[str] | None = None,
+    ):
         self._columns = columns
         self.units = units
         self.title = title
+        self.notices = notices or []
 
     def __getitem__(self, name):
         """A column; an array variable's name without index gives all its components, [row, component]."""

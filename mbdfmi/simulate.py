@@ -27,7 +27,8 @@ class Instance:
     """One run of a model, to be driven step by step.
 
     m, d : the kernels' views of it; u : inputs (n_u,), their first and second derivatives; y : outputs (n_y,) after
-    `outputs`. The run begins with the inputs' start values, or with `inputs` (position in u -> value).
+    `outputs`. notices : what the solver wanted to have told, with the time. The run begins with the inputs' start values, or with
+    `inputs` (position in u -> value).
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Instance:
         inputs: Mapping[int, float] | None = None,
     ):
         self.model = model
+        self.notices = []
         self.reals = model.reals.copy()
         self.u = np.zeros(3 * max(1, model.n_u))
         self.y = np.zeros(model.n_y)
@@ -53,8 +55,12 @@ class Instance:
         for name, value in (parameters or {}).items():
             self.reals[_known(name, by_name, "parameter").index] = value
 
-        self._check(entry.prepare(self.m, self.d))
+        self.prepare()
         self._check(entry.initialise(self.m, self.d, start_time))
+
+    def prepare(self):
+        """To be called after `reals` was changed. Raises SimulationError."""
+        self._check(entry.prepare(self.m, self.d))
 
     @property
     def time(self) -> float:
@@ -63,7 +69,13 @@ class Instance:
 
     def step(self, H: float):
         """Advance by H (s) with the inputs in `u`. Raises SimulationError."""
-        self._check(entry.step(self.m, self.d, H))
+        status = entry.step(self.m, self.d, H)
+
+        if self.d.notice[0]:
+            self.notices.append(f"{explain(self.model, int(self.d.notice[0]))} (time {self.time:.9g} s)")
+            self.d.notice[0] = 0.0
+
+        self._check(status)
 
     def outputs(self) -> np.ndarray:
         """Outputs (n_y,) now, a view that the next call overwrites. Raises SimulationError."""
@@ -99,7 +111,7 @@ def simulate(
     parameters : values other than the scene's, by variable name.
     progress : called with the time reached (s) after each communication step.
 
-    Returns all outputs and inputs by name. Raises SimulationError when the motion cannot go on, KeyError for unknown
+    Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
     names, ValueError for times or arrays that do not fit.
     """
     duration = until - start_time
@@ -141,7 +153,7 @@ def simulate(
     shown = [v for v in model.variables if v.causality != "parameter"]
     units = {"time": "s"} | {v.name: v.unit for v in shown}
     by_name = {"time": times} | {v.name: columns[:, k] for k, v in enumerate(shown)}
-    return Results(by_name, units, model.title)
+    return Results(by_name, units, model.title, instance.notices)
 
 
 def _known(name, by_name, what):

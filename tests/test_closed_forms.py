@@ -17,7 +17,7 @@ from mbdfmi.model import compile_scene
 from mbdfmi.scene import Scene
 from mbdfmi.simulate import Instance
 
-TIGHT = {"tolerance": 1e-13}
+TIGHT = {"tolerance": 1e-14}
 POSE = ["position", "euler_parameters", "omega_body"]
 
 

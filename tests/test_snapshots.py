@@ -6,12 +6,12 @@ from fmu_host import OK, Instance, Library
 from mbdfmi import Scene
 
 
-def mechanism(formulation):
+def mechanism(formulation, integrator="rk853"):
     """A crank driven on a mount that a fixed joint holds, a four-bar loop with a sprung joint, and a bead on a circle."""
     bar = {"inertia": [0.01, 0.1, 0.1]}
     return Scene(
         name=f"mechanism {formulation}",
-        solver={"integrator": "rk853", "tolerance": 1e-9, "formulation": formulation},
+        solver={"integrator": integrator, "tolerance": 1e-9, "formulation": formulation},
         ground={"marker": {"right": {"position": [2, 0, 0]}}},
         body={
             "mount": {"mass": 5.0, "inertia": [1, 1, 1]},
@@ -72,3 +72,55 @@ def test_a_fresh_instance_goes_on_where_another_was(formulation, tmp_path):
 
     first.free()
     second.free()
+
+
+@pytest.mark.parametrize("integrator", ["auto", "radau", "rk54"])
+def test_what_a_stepper_remembers_goes_along(integrator, tmp_path):
+    """Continuous extension, Jacobian, step sizes: back and forth in one instance, and on in another, to the bit."""
+    library = Library(mechanism("recursive", integrator).export(tmp_path / "mechanism.fmu"), tmp_path / "mechanism")
+    first, second = (Instance(library).start() for _ in range(2))
+    t, results = 0.0, []
+
+    for k in range(30):
+        snapshot = first.save()
+        assert first.step(t, 3e-3) == OK
+        once = first.outputs()
+        assert first.restore(snapshot) == first.step(t, 3e-3) == OK
+        assert first.outputs() == once
+        first.forget(snapshot)
+        t += 3e-3
+        results.append(once)
+
+    for k in range(30):
+        assert second.step(k * 3e-3, 3e-3) == OK
+        assert second.outputs() == results[k]
+
+    first.free()
+    second.free()
+
+
+def test_the_log_tells_that_a_motion_is_stiff(tmp_path):
+    scene = Scene(
+        name="door closer",
+        body={"door": {"mass": 10.0, "inertia": [1, 1, 1]}},
+        joint={
+            "hinge": {
+                "revolute": {},
+                "between": ["ground", "door"],
+                "spring": {"stiffness": 1e6},
+                "damper": 1e6,
+                "start": {"angle": 1.0},
+                "output": ["angle"],
+            }
+        },
+    )
+    library = Library(scene.export(tmp_path / "door.fmu"), tmp_path / "door")
+    door = Instance(library).start()
+    door.log.clear()
+    assert door.step(0.0, 3.0) == OK
+    assert [entry[:2] for entry in door.log] == [(OK, "logEvents")]
+    assert door.message.endswith("the motion is stiff: the implicit method goes on from here")
+    assert door.step(3.0, 3.0) == OK
+    assert len(door.log) == 1
+    assert door.value("hinge.angle") == pytest.approx(2.718281828 ** -6, rel=1e-4)
+    door.free()

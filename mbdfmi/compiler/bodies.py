@@ -48,14 +48,20 @@ SCENE_OUTPUTS = {
     "constraint_rate": (outputs.CONSTRAINT_RATE, None, "largest error of the constraints' velocities (m/s, rad/s)"),
 }
 
+SOLVER_OUTPUTS = {
+    "steps": (outputs.STEPS, "accepted inner steps since the start"),
+    "rejected_steps": (outputs.REJECTED_STEPS, "rejected inner steps since the start"),
+    "evaluations": (outputs.EVALUATIONS, "evaluations of the accelerations since the start"),
+    "estimated_error": (outputs.ESTIMATED_ERROR, "estimated local errors of the inner steps since the start, summed; relative"),
+}
+
 
 def add_settings(builder):
-    """Gravity and the solver's settings."""
+    """Gravity, the solver's settings and outputs."""
     solver = builder.scene.solver
-    fixed_step = solver.integrator == "rk4"
     builder.single |= {
         "gravity": builder.scene.gravity,
-        "step": solver.step if fixed_step else 1.0,
+        "step": solver.step if solver.fixed_step else 1.0,
         "tolerance": solver.tolerance,
         "absolute_tolerance": solver.absolute_tolerance,
         "max_step": solver.max_step or 1e30,
@@ -68,7 +74,11 @@ def add_settings(builder):
     else:
         builder.add_parameters("gravity", "gravity", 0, builder.scene.gravity, "m/s2", "gravity in the inertial frame")
 
-    if fixed_step:
+    for name in solver.output:
+        kind, about = SOLVER_OUTPUTS[name]
+        builder.add_outputs(f"solver.{name}", kind, None, about, ())
+
+    if solver.fixed_step:
         builder.add_parameters("solver.step", "step", 0, solver.step, "s", "largest inner step")
         return
 

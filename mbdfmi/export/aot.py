@@ -10,7 +10,9 @@ import subprocess
 import sys
 import tempfile
 
-from ..kernels.language import source_hash
+from llvmlite import binding
+
+from ..kernels.language import APART, load_apart, source_hash
 
 ENTRIES = "mbdfmi.kernels.entry:ENTRIES"
 """Where the table of entries is: name of the C function -> (numba dispatcher, signature)."""
@@ -46,13 +48,11 @@ def compile_entries() -> str:
     return done.stdout
 
 
-def module_of(table: dict) -> str:
-    """LLVM IR, one module, of a table like ENTRIES; nothing but its entries is visible."""
-    from llvmlite import binding
-
+def module_of(table: dict, inner: dict | None = None) -> str:
+    """LLVM IR, one module, of a table like ENTRIES, nothing else visible; `inner`: a like table of what these call by name."""
     whole = binding.parse_assembly("")
 
-    for name, (dispatcher, signature) in table.items():
+    for name, (dispatcher, signature) in ((inner or {}) | table).items():
         dispatcher.compile(signature)
         compiled = dispatcher.overloads[signature.args]
 
@@ -60,9 +60,10 @@ def module_of(table: dict) -> str:
         part.triple = ""
         part.data_layout = ""
         part.get_function(compiled.fndesc.llvm_func_name).name = name
-        whole.link_in(part)  # leaves behind what is not called, numba's reference counting too
+        whole.link_in(part)
 
     _hide(whole, set(table))
+    _drop_unused(whole)
     whole.verify()
     return str(whole)
 
@@ -78,6 +79,15 @@ def _hide(module, entries: set[str]) -> None:
             value.linkage = "internal"
 
 
+def _drop_unused(module) -> None:
+    """Takes out what is not called: numba's wrappers for Python, its reference counting."""
+    machine = binding.Target.from_default_triple().create_target_machine()
+    builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options())
+    passes = binding.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, builder)
+
+
 def print_module(entries: str, expected: str) -> None:
     """What compile_entries runs in its own process: writes the module to the standard output.
 
@@ -88,4 +98,6 @@ def print_module(entries: str, expected: str) -> None:
     if source_hash() != expected:
         sys.exit("the sources of the kernels have changed since this program began: start it again")
 
-    sys.stdout.write(module_of(getattr(importlib.import_module(module), table)))
+    entries = getattr(importlib.import_module(module), table)
+    load_apart()
+    sys.stdout.write(module_of(entries, APART))

@@ -111,14 +111,28 @@ def _variables(model, causality: str) -> list:
     return _section(heading, head, rows, text)
 
 
+METHODS = {
+    "auto": "Embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is stiff, the "
+    "implicit Radau IIA method of order 5",
+    "rk4": "Classical Runge-Kutta method of order 4",
+    "rk54": "Embedded Runge-Kutta pair of order 5(4)",
+    "rk853": "Embedded Runge-Kutta pair of order 8(5,3)",
+    "radau": "Implicit Radau IIA method of order 5",
+    "ros2": "Linearly implicit method of order 2",
+    "gauss": "Gauss collocation of order 8",
+}
+
+
 def _solver(solver) -> str:
     """The solver in a sentence."""
-    if solver.integrator == "rk4":
-        return f"Classical Runge-Kutta method of order 4, inner steps of at most {solver.step:g} s."
+    method = METHODS[solver.integrator]
+
+    if solver.fixed_step:
+        return f"{method}, inner steps of at most {solver.step:g} s."
 
     return (
-        "Embedded Runge-Kutta pair of order 5(4) with adaptive inner steps, relative tolerance "
-        f"{solver.tolerance:g}, absolute tolerance {solver.absolute_tolerance:g}."
+        f"{method}, adaptive inner steps, relative tolerance {solver.tolerance:g}, "
+        f"absolute tolerance {solver.absolute_tolerance:g}."
     )
 
 

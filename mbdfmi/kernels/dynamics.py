@@ -1,11 +1,52 @@
 """Forward dynamics by the formulation of the model, constraints included."""
 
+from numba.types import boolean, int64, void
+
 from . import constraints, embedding, rows, tree
-from .language import inlined, kernel
+from .language import apart, inlined
 from .status import OK
+from .views import DATA, MODEL
 
 
-@kernel
+@inlined
+def reach_and_factor(m, d, positional):
+    """Responses of all rows and the factor of C M^-1 C^T."""
+    if m.embeds == 1:
+        embedding.reach_rows(m, d)
+    else:
+        constraints.reach_rows(m, d)
+
+    constraints.factor_rows(m, d, positional)
+
+
+@apart(void(MODEL, DATA))
+def correct(m, d):
+    """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
+    constraints.solve_rows(m, d)
+    constraints.gather_white(m, d)
+
+    if m.embeds == 1:
+        embedding.respond(m, d)
+    else:
+        constraints.respond(m, d)
+
+
+@apart(int64(MODEL, DATA, boolean))
+def factor_rows_here(m, d, positional):
+    """Factor of C M^-1 C^T at the positions that kinematics and write_rows have seen. Returns a status.
+
+    positional : without rows that are about velocities alone.
+    """
+    tree.inertias(m, d)
+    failure = embedding.factor(m, d) if m.embeds == 1 else tree.aba(m, d)
+
+    if failure == OK:
+        reach_and_factor(m, d, positional)
+
+    return failure
+
+
+@apart(int64(MODEL, DATA))
 def accelerate(m, d):
     """v' into d.x_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
 
@@ -26,41 +67,3 @@ def accelerate(m, d):
     correct(m, d)
     constraints.add_changes(m, d)
     return OK
-
-
-@inlined
-def reach_and_factor(m, d, positional):
-    """Responses of all rows and the factor of C M^-1 C^T."""
-    if m.embeds == 1:
-        embedding.reach_rows(m, d)
-    else:
-        constraints.reach_rows(m, d)
-
-    constraints.factor_rows(m, d, positional)
-
-
-@kernel
-def correct(m, d):
-    """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
-    constraints.solve_rows(m, d)
-    constraints.gather_white(m, d)
-
-    if m.embeds == 1:
-        embedding.respond(m, d)
-    else:
-        constraints.respond(m, d)
-
-
-@kernel
-def factor_rows_here(m, d, positional):
-    """Factor of C M^-1 C^T at the positions that kinematics and write_rows have seen. Returns a status.
-
-    positional : without rows that are about velocities alone.
-    """
-    tree.inertias(m, d)
-    failure = embedding.factor(m, d) if m.embeds == 1 else tree.aba(m, d)
-
-    if failure == OK:
-        reach_and_factor(m, d, positional)
-
-    return failure

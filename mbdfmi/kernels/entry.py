@@ -14,9 +14,9 @@ from . import (
     joints,
     outputs,
     project,
+    rates,
     reactions,
     rows,
-    tableaux,
     tree,
 )
 from .language import inlined, kernel
@@ -32,10 +32,8 @@ def initialise(m, d, t0):
     d.time[1] = 0.0
     d.now[0] = t0
     d.start_time[0] = t0
-    d.next_step[0] = 0.0
-    d.steps[0] = 0.0
-    d.rejected[0] = 0.0
-    d.evaluations[0] = 0.0
+    d.notice[0] = 0.0
+    integrate.start(m, d)
 
     for i in range(1, m.n_body):
         if m.body_drive[i] < 0 and not joints.start(m, d, i):
@@ -66,15 +64,8 @@ def step(m, d, H):
         advance_time(d, H)
         return OK
 
-    if m.integrator == integrate.RK4:
-        failure, reached = integrate.rk4(m, d, H)
-    elif m.integrator == integrate.RK54:
-        failure, reached = integrate.adaptive(m, d, H, tableaux.PAIR_54)
-    else:
-        failure, reached = integrate.adaptive(m, d, H, tableaux.PAIR_853)
-
+    failure, reached = integrate.advance(m, d, H)
     advance_time(d, reached)
-    drives.advance_inputs(m, d, reached)
     return failure
 
 
@@ -83,7 +74,7 @@ def compute_outputs(m, d, y):
     """All outputs y[n_y] of the state and the inputs (their values alone) now. Returns a status."""
     failure = OK
     needs = m.output_needs
-    integrate.set_time(m, d, 0.0)
+    rates.set_time(m, d, 0.0)
     drives.prescribe(m, d)
     tree.kinematics(m, d)
 

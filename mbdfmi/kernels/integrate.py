@@ -1,308 +1,182 @@
-"""Steppers: x' = f(x, u(s)) over a communication step, then project(x).
+"""The steppers by name, and how one of them takes the state over a communication step.
 
-After each accepted inner step the state is projected: Euler parameters to unit length, positions and velocities
-onto the constraints. Time inside a communication step is counted from its start, so results do not depend on
-how a master sums its time.
+All keep to x' = f(t, x, u(t)) over a communication step, then project(x). Time inside it is counted from its start, so
+results do not depend on how a master sums its time. What a stepper remembers across communication points (the step to try
+next, rates, a Jacobian) stands in the state: a restored run goes on to the same bits.
 """
 
-import math
-
-from . import algebra as al
-from . import contacts, drives, dynamics, forces, joints, tree
+from . import control, drives, explicit, gauss, implicit
 from .language import inlined, kernel
-from .project import keep_x, project, restore_x
-from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
-from .tableaux import ERRORS, NODES, ORDER, PAIR_54, STAGE_COUNT, STAGES
+from .project import keep_x, restore_x
+from .status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status
+from .tableaux import N_DENSE, PAIR_54, PAIR_853
 
-RK4 = 0
-RK54 = 1
-RK853 = 2
+RK54 = PAIR_54
+RK853 = PAIR_853
+RK4 = 2
+RADAU = 3
+ROS2 = 4
+GAUSS = 5
+AUTO = 6
 
-INTEGRATORS = {"rk4": RK4, "rk54": RK54, "rk853": RK853}
+INTEGRATORS = {
+    "auto": AUTO,
+    "rk4": RK4,
+    "rk54": RK54,
+    "rk853": RK853,
+    "radau": RADAU,
+    "ros2": ROS2,
+    "gauss": GAUSS,
+}
 
-# step-size control after Hairer, Norsett, Wanner, Solving ODEs I, section II.4: PI controller for order 5
-SAFETY = 0.9
-PI_BETA = 0.04
-SHRINK = 0.2
-GROW = 10.0
+
+def memory(integrator: str) -> tuple[int, int]:
+    """What an integrator keeps of each state: (rows of `dense`, 1 if it needs a Jacobian)."""
+    rows = {"auto": N_DENSE, "rk54": N_DENSE, "rk853": N_DENSE, "radau": 3, "gauss": gauss.COUNT}
+    return rows.get(integrator, 0), int(integrator in ("auto", "radau", "ros2"))
 
 
 @inlined
-def set_time(m, d, s):
-    """Time and inputs at s (s) after the start of the communication step: u + u' s + u'' s^2 / 2."""
+def inputs_go_on(m, d):
+    """Whether the inputs are those of the communication step before, and remember them. They must not vary in a step."""
     n = m.n_u
-    d.now[0] = d.time[0] + s
+    same = n == 0 or d.u_known[0] == 1.0
+    constant = True
 
     for k in range(n):
-        d.input[k] = d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * d.u_buffer[2 * n + k])
+        same = same and d.u_buffer[k] == d.u_before[k]
+        constant = constant and d.u_buffer[n + k] == 0.0 and d.u_buffer[2 * n + k] == 0.0
+        d.u_before[k] = d.u_buffer[k]
+
+    d.u_known[0] = 1.0 if constant else 0.0
+    return same and constant
 
 
 @kernel
-def evaluate(m, d, s):
-    """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
-    set_time(m, d, s)
-    drives.prescribe(m, d)
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
-    forces.apply(m, d)
+def start(m, d):
+    """Nothing to remember yet."""
+    control.forget(d)
+    d.u_known[0] = 0.0
+    d.jacobian_known[0] = 0.0
+    d.lu_step[0] = 0.0
+    d.lu_known[0] = 0.0
+    d.radau_step[0] = 0.0
+    d.next_step[PAIR_54] = 0.0
+    d.next_step[PAIR_853] = 0.0
+    d.stiff_steps[0] = 0.0
+    d.pardon[0] = 0.0
+    d.easy_steps[0] = 0.0
+    d.radius[0] = 0.0
+    d.steps[0] = 0.0
+    d.rejected[0] = 0.0
+    d.evaluations[0] = 0.0
+    d.error_sum[0] = 0.0
+    d.method[0] = m.integrator
 
-    for i in range(1, m.n_body):
-        joints.position_rates(m, d, i)
-
-    contacts.parameter_rates(m, d)
-    d.evaluations[0] += 1.0
-    return dynamics.accelerate(m, d)
-
-
-@inlined
-def is_finite(d, n):
-    """True when x[:n] holds no NaN and no infinity."""
-    total = 0.0
-
-    for k in range(n):
-        total += 0.0 * d.x[k]
-
-    return total == 0.0
+    if m.integrator == AUTO:
+        d.method[0] = RK853
 
 
 @inlined
-def store_rate(m, d, stage):
-    """Keep d.x_rate as that of a stage."""
-    n = m.n_x
-
-    for k in range(n):
-        d.stage[stage * n + k] = d.x_rate[k]
-
-
-@kernel
-def rk4(m, d, H):
-    """Classical Runge-Kutta method of order 4: equal inner steps of at most m.step over H (s).
-
-    Returns (status, time reached within H).
-    """
-    n = m.n_x
-    n_step = max(1, int(math.ceil(H / m.step[0] * (1.0 - 1e-12))))
-    h = H / n_step
-
-    for step in range(n_step):
-        s = step * h
+def go_to_front(m, d, H, pair):
+    """With the front ahead: to it, when it lies in this communication step, else to H (s). Returns the time reached."""
+    if d.ahead[0] > H * (1.0 + 1e-14):
         keep_x(m, d)
 
-        for stage in range(4):
-            c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+        if explicit.extend(m, d, pair, H) == OK:
+            d.ahead[0] -= H
+            return H
 
-            if stage > 0:
-                for k in range(n):
-                    d.x[k] = d.x_before[k] + c * h * d.stage[(stage - 1) * n + k]
-
-            failure = evaluate(m, d, s + c * h)
-
-            if failure != OK:
-                restore_x(m, d)
-                return failure, s
-
-            store_rate(m, d, stage)
-
-        for k in range(n):
-            slope = d.stage[k] + 2.0 * (d.stage[n + k] + d.stage[2 * n + k]) + d.stage[3 * n + k]
-            d.x[k] = d.x_before[k] + h / 6.0 * slope
-
-        if not is_finite(d, n):
-            restore_x(m, d)
-            return status(NOT_FINITE, 0), s
-
-        failure = project(m, d)
-
-        if failure != OK:
-            restore_x(m, d)
-            return failure, s
-
-        d.steps[0] += 1.0
-
-    return OK, H
-
-
-@inlined
-def weigh(m, d):
-    """Error weights: absolute + relative tolerance times |x|; an orientation's is its unit length.
-
-    Angles and Euler parameters are weighed as rotations: their error does not become less with many turns.
-    """
-    for k in range(m.n_x):
-        d.x_scale[k] = m.absolute_tolerance[0] + m.tolerance[0] * abs(d.x[k])
-
-    for i in range(1, m.n_body):
-        kind = m.body_joint[i]
-        q = m.body_q[i]
-        rotation = m.absolute_tolerance[0] + m.tolerance[0]
-
-        if kind == joints.REVOLUTE:
-            d.x_scale[q] = rotation
-        elif joints.E_offset(kind) >= 0:
-            q += joints.E_offset(kind)
-
-            for k in range(4):
-                d.x_scale[q + k] = rotation
-
-
-@inlined
-def first_step(m, d, H):
-    """A first inner step (s) from the rates of stage 0: Hairer, Norsett, Wanner I, section II.4, simplified."""
-    n = m.n_x
-    size = 0.0
-    speed = 0.0
-
-    for k in range(n):
-        x = d.x[k] / d.x_scale[k]
-        rate = d.stage[k] / d.x_scale[k]
-        size += x * x
-        speed += rate * rate
-
-    h = 1e-6 if size < 1e-10 * n or speed < 1e-10 * n else 0.01 * math.sqrt(size / speed)
-    return min(h, H)
-
-
-@inlined
-def advance(m, d, pair, stage, step):
-    """d.x for a stage of a pair, from x_before and the rates of the stages before."""
-    n = m.n_x
-
-    for k in range(n):
-        slope = 0.0
-
-        for j in range(stage):
-            slope += STAGES[pair, stage, j] * d.stage[j * n + k]
-
-        d.x[k] = d.x_before[k] + step * slope
-
-
-@inlined
-def local_error(m, d, pair, step):
-    """Estimated error of a step, 1: just allowed. Root mean square over the weighed states.
-
-    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (Hairer, Norsett, Wanner I, eq. II.10.17).
-    """
-    n = m.n_x
-    squares = 0.0
-    rough = 0.0
-
-    for k in range(n):
-        fine = 0.0
-        coarse = 0.0
-
-        for j in range(STAGE_COUNT[pair]):
-            fine += ERRORS[pair, 0, j] * d.stage[j * n + k]
-            coarse += ERRORS[pair, 1, j] * d.stage[j * n + k]
-
-        fine /= d.x_scale[k]
-        coarse /= d.x_scale[k]
-        squares += fine * fine
-        rough += coarse * coarse
-
-    if squares == 0.0:
+        restore_x(m, d)
+        control.forget(d)
         return 0.0
 
-    return step * squares / math.sqrt((squares + 0.01 * rough) * n)
+    s = min(H, d.ahead[0])
+    d.ahead[0] = 0.0
 
+    for k in range(m.n_x):
+        d.x[k] = d.front[k]
 
-@inlined
-def keep_last_rate(m, d, pair):
-    """The last stage becomes the first of the next step: unit length changed the rates of Euler parameters alone."""
-    n = m.n_x
-    last = (STAGE_COUNT[pair] - 1) * n
-
-    for k in range(n):
-        d.stage[k] = d.stage[last + k]
-
-    for i in range(1, m.n_body):
-        k = joints.E_offset(m.body_joint[i])
-
-        if k >= 0:
-            k += m.body_q[i]
-            rate = al.E_rate(al.E_at(d.x, k), al.vec_at(d.x, m.n_q + m.body_v[i] + joints.E_offset(m.body_joint[i])))
-            al.set_E_at(d.stage, k, rate)
+    return s
 
 
 @kernel
-def adaptive(m, d, H, pair):
-    """An explicit Runge-Kutta pair with adaptive inner steps over H (s).
-
-    The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns
-    (status, time reached within H).
-    """
-    n = m.n_x
+def adaptive(m, d, H, onward):
+    """By a pair or Radau's method, whichever is in use; `auto` changes between them. Returns (status, time reached)."""
+    watch = m.integrator == AUTO
     s = 0.0
-    failure = evaluate(m, d, 0.0)
+    failure = OK
 
-    if failure != OK:
-        return failure, s
-
-    store_rate(m, d, 0)
-    weigh(m, d)
-    h = d.next_step[0]
-    error_before = 1e-4
-    power = 1.0 / ORDER[pair]
-    beta = PI_BETA if pair == PAIR_54 else 0.0
-
-    if not h > 0.0:
-        h = first_step(m, d, H)
+    if d.ahead[0] > 0.0:
+        s = go_to_front(m, d, H, pair_in_use(d))
+    elif watch and d.method[0] != RADAU:
+        d.method[0] = pair_for(d, H, onward)
 
     while s < H:
-        h = min(h, m.max_step[0])
-        left = H - s
-        cut = h >= left * (1.0 - 1e-9)
-        step = left if cut else h
-        keep_x(m, d)
-
-        for stage in range(1, STAGE_COUNT[pair]):
-            advance(m, d, pair, stage, step)
-            failure = evaluate(m, d, s + NODES[pair, stage] * step)
-
-            if failure != OK:
-                break
-
-            store_rate(m, d, stage)
-
-        error = local_error(m, d, pair, step)
-        finite = failure == OK and error < math.inf and is_finite(d, n)
-
-        if finite and error <= 1.0:
-            failure = project(m, d)
-            finite = failure == OK
-
-        if finite and error <= 1.0:
-            s = H if cut else s + step
-
-            if m.n_row == 0:
-                keep_last_rate(m, d, pair)
-            else:
-                failure = evaluate(m, d, s)
-                store_rate(m, d, 0)
-
-                if failure != OK:
-                    return failure, s
-
-            weigh(m, d)
-            d.steps[0] += 1.0
-            factor = SAFETY * max(error, 1e-10) ** -(power - 0.75 * beta) * error_before**beta
-            proposed = step * min(GROW, max(SHRINK, factor))
-            error_before = max(error, 1e-4)
-
-            # a step that the end cut short says little about a longer one
-            h = max(h, proposed) if cut and step < h else proposed
-
+        if d.method[0] == RADAU:
+            failure, s = implicit.radau(m, d, s, H, watch)
         else:
-            restore_x(m, d)
-            d.rejected[0] += 1.0
-            h = step * (max(SHRINK, SAFETY * error**-power) if finite else 0.1)
+            failure, s = explicit.adaptive(m, d, s, H, pair_in_use(d), onward, watch)
 
-            if h < 1e-13 * H:
-                if finite:
-                    failure = status(STEP_TOO_SMALL, 0)
-                elif failure == OK:
-                    failure = status(NOT_FINITE, 0)
+        if failure != status(CHANGE_METHOD, 0):
+            break
 
-                return failure, s
+        change_method(m, d)
+        failure = OK
 
-    d.next_step[0] = h
-    return OK, H
+    return failure, s
+
+
+@inlined
+def pair_in_use(d):
+    """The explicit pair of d.method; one of them, whatever a state from outside says."""
+    return PAIR_54 if d.method[0] == RK54 else PAIR_853
+
+
+@inlined
+def pair_for(d, H, onward):
+    """The pair that `auto` takes: of order 8, but of order 5 where inputs jump so often that either makes one step of it."""
+    many = d.next_step[RK54] > 0.0 and d.next_step[RK54] < 0.5 * H
+    return RK853 if onward or many or d.next_step[RK853] < 2.0 * H else RK54
+
+
+@inlined
+def change_method(m, d):
+    """From a pair to Radau's method or back; says so in the log."""
+    control.forget(d)
+    d.stiff_steps[0] = 0.0
+    d.easy_steps[0] = 0.0
+    d.jacobian_known[0] = 0.0
+
+    if d.method[0] == RADAU:
+        d.method[0] = RK853
+        d.next_step[RK853] = 0.0
+        d.notice[0] = status(NOT_STIFF, 0)
+    else:
+        d.radau_step[0] = d.next_step[pair_in_use(d)]
+        d.method[0] = RADAU
+        d.notice[0] = status(STIFF, 0)
+
+
+@kernel
+def advance(m, d, H):
+    """The state by H (s), with the inputs of the communication step. Returns (status, time reached within H)."""
+    onward = inputs_go_on(m, d)
+
+    if not onward:
+        control.forget(d)
+
+    if m.integrator == RK4:
+        failure, reached = explicit.rk4(m, d, H)
+    elif m.integrator == ROS2:
+        failure, reached = implicit.ros2(m, d, H)
+    elif m.integrator == GAUSS:
+        failure, reached = gauss.gauss(m, d, H)
+    else:
+        failure, reached = adaptive(m, d, H, onward)
+
+    if failure != OK:
+        control.forget(d)
+
+    drives.advance_inputs(m, d, reached)
+    return failure, reached

@@ -1,4 +1,4 @@
-"""The kernel language: two decorators, and where compiled kernels are kept.
+"""The kernel language: three decorators, and where compiled kernels are kept.
 
 Rules of the language (they keep the native code free of Python and of allocation, and let the
 kernels be called with symbolic scalars one day):
@@ -13,10 +13,13 @@ kernels be called with symbolic scalars one day):
 import hashlib
 import os
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, wraps
 from pathlib import Path
 
 import numba
+from llvmlite import binding
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
 
 
 @cache
@@ -67,3 +70,58 @@ def kernel(function):
 def inlined(function):
     """A kernel small enough that a call would cost more than its body: always inlined."""
     return numba.njit(error_model="numpy", nogil=True, forceinline=True)(function)
+
+
+APART = {}
+"""Kernels that others call by a symbol: symbol -> (numba dispatcher, signature), callees first."""
+
+_loaded = set()
+
+
+def apart(signature):
+    """A kernel of a fixed signature (of numba's types) that its callers call by a symbol.
+
+    numba takes a copy of all that a kernel calls into its library and optimises it there again; this ends at kernels
+    that stand apart. Their symbols are there after `load_apart`.
+    """
+
+    def decorate(function):
+        dispatcher = kernel(function)
+        name = f"{function.__module__}.{function.__name__}".replace(".", "_")
+        APART[name] = (dispatcher, signature)
+
+        @wraps(function)
+        def call(*arguments):
+            return dispatcher(*arguments)
+
+        def call_symbol(context, builder, given, values):
+            of = given.args[0].types
+            values = cgutils.unpack_tuple(builder, values[0])
+            values = [context.cast(builder, *cast) for cast in zip(values, of, signature.args)]
+            kind = context.call_conv.get_function_type(signature.return_type, signature.args)
+            callee = cgutils.get_or_insert_function(builder.module, kind, name)
+            types = (signature.return_type, signature.args)
+            return context.call_conv.call_function(builder, callee, *types, values)[1]
+
+        @intrinsic
+        def symbol(typing_context, arguments):
+            return signature.return_type(arguments), call_symbol
+
+        @overload(call, strict=False)
+        def call_in_kernels(*arguments):
+            return lambda *arguments: symbol(arguments)
+
+        return call
+
+    return decorate
+
+
+def load_apart():
+    """Compile, or find compiled, the kernels that stand apart, and make their symbols known."""
+    for name, (dispatcher, signature) in APART.items():
+        if name not in _loaded:
+            dispatcher.compile(signature)
+            compiled = dispatcher.overloads[signature.args]
+            address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+            binding.add_symbol(name, address)
+            _loaded.add(name)

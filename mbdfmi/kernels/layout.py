@@ -53,6 +53,9 @@ COUNTS = (
     "integrator",  # see integrate.py
     "embeds",  # 1: dynamics by the joint-space mass matrix (embedding.py), 0: by articulated bodies
     "n_mass",  # elements of that matrix
+    "n_dense",  # values of a continuous extension, or of the stages of the step before
+    "n_jacobian",  # elements of dx'/dx, where an implicit stepper may need it
+    "n_swap",  # rows of that
 )
 
 
@@ -209,11 +212,32 @@ ARRAYS = (
     Row("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
     # state
     Row("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
+    Row("notice", "state", 1, 1, "a status to tell in the log, 0: none; stays at this place, for the wrapper reads it"),
     Row("start_time", "state", 1, 1, "s"),
-    Row("next_step", "state", 1, 1, "s, the adaptive step to try next, 0: none yet"),
+    Row("next_step", "state", 2, 1, "s, the step that each explicit pair tries next, 0: none yet"),
+    Row("radau_step", "state", 1, 1, "s, likewise of Radau's method"),
+    Row("method", "state", 1, 1, "stepper in use (integrate.py)"),
     Row("steps", "state", 1, 1, "accepted inner steps since the start"),
     Row("rejected", "state", 1, 1, "rejected inner steps since the start"),
     Row("evaluations", "state", 1, 1, "evaluations of the accelerations since the start"),
+    Row("error_sum", "state", 1, 1, "estimated local errors since the start, summed; 1 each: just allowed"),
+    Row("error_before", "state", 1, 1, "estimated error of the step before"),
+    Row("step_before", "state", 1, 1, "s, length of the step before, 0: none"),
+    Row("stiff_steps", "state", 1, 1, "steps at the border of stability"),
+    Row("pardon", "state", 1, 1, "steps within it since"),
+    Row("easy_steps", "state", 1, 1, "implicit steps that explicit ones could have done"),
+    Row("radius", "state", 1, 1, "1/s, spectral radius of J"),
+    Row("u_known", "state", 1, 1, "1: u_before holds"),
+    Row("u_before", "state", 1, "n_u", "inputs of the communication step before"),
+    Row("ahead", "state", 1, 1, "s, how far the integrator's front is ahead of the time reached"),
+    Row("front", "state", 1, "n_x", "x there"),
+    Row("rate_known", "state", 1, 1, "1: front_rate holds"),
+    Row("front_rate", "state", 1, "n_x", "x' at the front, or at x when that is not ahead"),
+    Row("span", "state", 1, 1, "s, length of the step that `dense` is about, 0: none"),
+    Row("dense", "state", 1, "n_dense", "continuous extension of the last step, or its stages"),
+    Row("jacobian_known", "state", 1, 1, "1: jacobian holds"),
+    Row("jacobian", "state", 1, "n_jacobian", "J = dx'/dx, by rows"),
+    Row("lu_step", "state", 1, 1, "s, step that the Newton matrices are of"),
     Row("x", "state", 1, "n_x", "position, then velocity coordinates, then parameters of contacts"),
     Row("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
     Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
@@ -224,6 +248,7 @@ ARRAYS = (
     Row("coordinate_last", "state", 1, "n_coordinate", "value after the last accepted inner step"),
     Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
     # work: time, inputs and rates
+    Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
     Row("now", "work", 1, 1, "s, time of the evaluation"),
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
@@ -291,7 +316,11 @@ ARRAYS = (
     # work: steppers
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
     Row("x_scale", "work", 1, "n_x", "error weights"),
-    Row("stage", "work", N_STAGE, "n_x", "rates of the stages"),
+    Row("stage", "work", N_STAGE, "n_x", "rates of the stages, right-hand sides of the implicit methods"),
+    Row("lu_real", "work", 1, "n_jacobian", "factors of the real Newton matrix (linear.py)"),
+    Row("lu_complex", "work", 2, "n_jacobian", "of the complex one"),
+    Row("swaps_real", "work", 1, "n_swap", "their exchanges of rows"),
+    Row("swaps_complex", "work", 1, "n_swap", ""),
 )
 
 BUFFERS = ("ints", "reals", "state", "work")

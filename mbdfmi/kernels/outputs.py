@@ -55,6 +55,11 @@ CENTER_OF_MASS = 32
 # of contact a: parameter b + 1
 CONTACT_S = 33
 CONTACT_RATE = 34
+# of the stepper, since the start
+STEPS = 36
+REJECTED_STEPS = 37
+EVALUATIONS = 38
+ESTIMATED_ERROR = 39
 
 VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
 VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
@@ -130,6 +135,18 @@ def write_scene_output(m, d, kind, at, y):
 
     elif kind == CONSTRAINT_RATE:
         y[at] = largest(d.row_rate, m.n_row)
+
+    elif kind == STEPS:
+        y[at] = d.steps[0]
+
+    elif kind == REJECTED_STEPS:
+        y[at] = d.rejected[0]
+
+    elif kind == EVALUATIONS:
+        y[at] = d.evaluations[0]
+
+    elif kind == ESTIMATED_ERROR:
+        y[at] = m.tolerance[0] * d.error_sum[0]
 
     elif kind == LINEAR_MOMENTUM:
         _, linear = tree.total_momentum(m, d)

@@ -1,6 +1,7 @@
 """What follows from parameters alone: the inertia of each node, checked."""
 
 from . import algebra as al
+from . import control
 from .language import inlined, kernel
 from .status import BAD_INERTIA, BAD_MASS, BAD_SOLVER_SETTING, OK, status
 
@@ -51,6 +52,8 @@ def add_added_mass(m, d, k):
 def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    control.forget(d)
+    d.jacobian_known[0] = 0.0
 
     if not (m.tolerance[0] > 0.0 and m.absolute_tolerance[0] > 0.0):
         return status(BAD_SOLVER_SETTING, 0)

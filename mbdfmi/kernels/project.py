@@ -2,10 +2,13 @@
 
 import math
 
+from numba.types import float64, int64
+
 from . import algebra as al
 from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
 from .status import LOOP_OPEN, OK, status
+from .views import DATA, MODEL
 
 MAX_ITERATIONS = 50
 
@@ -89,7 +92,7 @@ def see_rows(m, d):
     rows.write_rows(m, d)
 
 
-@kernel
+@apart(int64(MODEL, DATA, float64))
 def project_positions(m, d, gap_allowed):
     """Newton's method to the nearest positions (in the mass metric) where all gaps close. Returns a status.
 
@@ -149,7 +152,7 @@ def project_velocities(m, d):
         d.x[m.n_q + v] += d.change[v]
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def project(m, d):
     """After an accepted inner step: E to unit length, positions, then velocities onto the constraints. Returns a status.
 
@@ -213,7 +216,7 @@ def close_loops(m, d, what):
     return failure
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def assemble(m, d):
     """Close the loops from approximate start values in d.x, then make the velocities fit. Returns a status.
 

@@ -14,6 +14,14 @@ BAD_START_ORIENTATION = 5
 BAD_SOLVER_SETTING = 6
 BAD_INERTIA = 7
 LOOP_OPEN = 8
+NO_STAGES = 9
+
+# no failures: told in the log
+STIFF = 10
+NOT_STIFF = 11
+
+# among steppers: another method must go on
+CHANGE_METHOD = 12
 
 MESSAGES = {
     NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
@@ -24,6 +32,10 @@ MESSAGES = {
     BAD_MASS: "the mass of %s is negative",
     BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
     BAD_SOLVER_SETTING: "the solver's step or tolerance is not positive",
+    NO_STAGES: "the implicit stages of a step were not found; the step is too long, or the motion stiff: make solver.step "
+    "smaller, or take integrator = \"radau\"",
+    STIFF: "the motion is stiff: the implicit method goes on from here",
+    NOT_STIFF: "the motion is no longer stiff: the explicit method goes on from here",
     LOOP_OPEN: "the loop cannot be closed at %s",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }

@@ -1,13 +1,14 @@
 """Tables of explicit Runge-Kutta pairs, in one shape so that one stepper serves them all.
 
-Row k of `STAGES[method]` gives stage k from the rates of the stages before it; the last row is the result, so the last
-stage is the first of the next step. `ERRORS[method]` are one or two combinations of the stages that estimate
-the error.
+Row k of `STAGES[pair]` gives stage k from the rates of the stages before it. Row `STAGE_COUNT[pair] - 1` is the result,
+so that stage is the first of the next step; those after it serve the continuous extension alone. `ERRORS[pair]` are one or
+two combinations of the stages that estimate the error, `DENSE[pair]` those of the continuous extension.
 """
 
 import numpy as np
 
-N_STAGE = 13  # the most stages of a method, the result's own included
+N_STAGE = 16  # the most stages of a pair, the result's own and those of the continuous extension included
+N_DENSE = 7  # the most coefficients of a continuous extension
 
 # Dormand, Prince, J. Comp. Appl. Math. 6 (1980) 19-26
 NODES_54 = [0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1]
@@ -21,6 +22,19 @@ STAGES_54 = [
     [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
 ]
 ERRORS_54 = [[71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]]
+
+# of order 4: Hairer, Norsett, Wanner I (1993), section II.6 and its code DOPRI5
+DENSE_54 = [
+    [
+        -12715105075 / 11282082432,
+        0,
+        87487479700 / 32700410799,
+        -10690763975 / 1880347072,
+        701980252875 / 199316789632,
+        -1453857185 / 822651844,
+        69997945 / 29380423,
+    ]
+]
 
 # Dormand and Prince's 8(5,3) with the error estimators of Hairer, Norsett, Wanner, Solving Ordinary Differential
 # Equations I (1993), section II.10 and its code DOP853
@@ -38,6 +52,9 @@ NODES_853 = [
     0.8571428571428571,
     1.0,
     1.0,
+    0.1,
+    0.2,
+    0.7777777777777778,
 ]
 STAGES_853 = [
     [],
@@ -143,6 +160,54 @@ STAGES_853 = [
         0.20136540080403034,
         0.04471061572777259,
     ],
+    [
+        0.056167502283047954,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0.25350021021662483,
+        -0.2462390374708025,
+        -0.12419142326381637,
+        0.15329179827876568,
+        0.00820105229563469,
+        0.007567897660545699,
+        -0.008298,
+    ],
+    [
+        0.03183464816350214,
+        0,
+        0,
+        0,
+        0,
+        0.028300909672366776,
+        0.053541988307438566,
+        -0.05492374857139099,
+        0,
+        0,
+        -0.00010834732869724932,
+        0.0003825710908356584,
+        -0.00034046500868740456,
+        0.1413124436746325,
+    ],
+    [
+        -0.42889630158379194,
+        0,
+        0,
+        0,
+        0,
+        -4.697621415361164,
+        7.683421196062599,
+        4.06898981839711,
+        0.3567271874552811,
+        0,
+        0,
+        0,
+        -0.0013990241651590145,
+        2.9475147891527724,
+        -9.15095847217987,
+    ],
 ]
 ERRORS_853 = [
     [
@@ -176,6 +241,80 @@ ERRORS_853 = [
         0,
     ],
 ]
+DENSE_853 = [
+    [
+        -8.428938276109013,
+        0,
+        0,
+        0,
+        0,
+        0.5667149535193777,
+        -3.0689499459498917,
+        2.38466765651207,
+        2.117034582445028,
+        -0.871391583777973,
+        2.2404374302607883,
+        0.6315787787694688,
+        -0.08899033645133331,
+        18.148505520854727,
+        -9.194632392478356,
+        -4.436036387594894,
+    ],
+    [
+        10.427508642579134,
+        0,
+        0,
+        0,
+        0,
+        242.28349177525817,
+        165.20045171727028,
+        -374.5467547226902,
+        -22.113666853125306,
+        7.733432668472264,
+        -30.674084731089398,
+        -9.332130526430229,
+        15.697238121770845,
+        -31.139403219565178,
+        -9.35292435884448,
+        35.81684148639408,
+    ],
+    [
+        19.985053242002433,
+        0,
+        0,
+        0,
+        0,
+        -387.0373087493518,
+        -189.17813819516758,
+        527.8081592054236,
+        -11.57390253995963,
+        6.8812326946963,
+        -1.0006050966910838,
+        0.7777137798053443,
+        -2.778205752353508,
+        -60.19669523126412,
+        84.32040550667716,
+        11.99229113618279,
+    ],
+    [
+        -25.69393346270375,
+        0,
+        0,
+        0,
+        0,
+        -154.18974869023643,
+        -231.5293791760455,
+        357.6391179106141,
+        93.40532418362432,
+        -37.45832313645163,
+        104.0996495089623,
+        29.8402934266605,
+        -43.53345659001114,
+        96.32455395918828,
+        -39.17726167561544,
+        -149.72683625798564,
+    ],
+]
 
 
 def _padded(rows, shape):
@@ -191,8 +330,14 @@ def _padded(rows, shape):
 PAIR_54 = 0
 PAIR_853 = 1
 
-STAGE_COUNT = np.array([7, 13])
+STAGE_COUNT = np.array([7, 13])  # of a step
+STAGE_TOTAL = np.array([7, 16])  # and of its continuous extension
+DENSE_COUNT = np.array([4, 7])  # coefficients of that
 ORDER = np.array([5, 8])
 NODES = _padded([NODES_54, NODES_853], (2, N_STAGE))
 STAGES = np.array([_padded(rows, (N_STAGE, N_STAGE)) for rows in (STAGES_54, STAGES_853)])
 ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_853)])
+DENSE = np.array([_padded(rows, (N_DENSE - 3, N_STAGE)) for rows in (DENSE_54, DENSE_853)])
+
+# from where on h |lambda| is at the border of stability (the same codes)
+STABLE = np.array([3.25, 6.1])

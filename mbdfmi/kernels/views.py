@@ -23,6 +23,7 @@ from numba.extending import (
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic
 
+from .language import load_apart
 from .layout import COUNTS, ROW, SLOT, row_length
 
 INTS = types.CPointer(types.int64)
@@ -35,6 +36,8 @@ class _View:
     _buffer_names: tuple[str, ...] = ()
 
     def __init__(self, **buffers):
+        load_apart()
+
         for name in self._buffer_names:
             array = buffers[name]
             dtype = np.int64 if name == "ints" else np.float64

@@ -21,7 +21,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..files import replacing
-from ..kernels import forces, integrate, tree
+from ..kernels import forces, rates, tree
 from ..kernels.language import kernel, source_hash
 from ..model import compile_scene
 from ..simulate import Instance
@@ -44,7 +44,7 @@ def evaluate_times(m, d, n):
     """x' n times; a different x each time, so that nothing can be taken out of the loop."""
     for _ in range(n):
         d.x[0] += 1e-15
-        integrate.evaluate(m, d, 0.0)
+        rates.evaluate(m, d, 0.0)
 
 
 @kernel
@@ -52,7 +52,7 @@ def evaluate_up_to_aba_times(m, d, n):
     """All that `evaluate` does before its last part, n times."""
     for _ in range(n):
         d.x[0] += 1e-15
-        integrate.set_time(m, d, 0.0)
+        rates.set_time(m, d, 0.0)
         tree.kinematics(m, d)
         tree.inertias(m, d)
         forces.apply(m, d)

@@ -23,37 +23,55 @@ OUTPUTS = (
 )
 
 
+FIXED_STEP = ("rk4", "ros2", "gauss")
+ADAPTIVE = ("auto", "rk54", "rk853", "radau")
+SOLVER_OUTPUTS = ("steps", "rejected_steps", "evaluations", "estimated_error")
+
+
 class Solver(Part):
     """How time advances inside a communication step.
 
-    integrator : "rk4", of fixed step, or adaptive: "rk54", of order 5, "rk853", of order 8.
+    integrator : adaptive: "rk54" and "rk853", explicit, of order 5 and 8; "radau", implicit, of order 5, for stiff
+        motions; "auto", one of these, changed when the motion turns out to be stiff. With a fixed step: "rk4", explicit, of
+        order 4; "ros2", linearly implicit, of order 2, for stiff motions in real time; "gauss", implicit and symmetric,
+        of order 8, for the long run.
     formulation : "recursive", "embedding", "augmented", or "auto", the cheapest of them.
-    step : s, of rk4.
+    step : s, of those with a fixed step.
     tolerance, absolute_tolerance : of the adaptive ones, relative and absolute.
     max_step : s, of the adaptive ones, or None.
+    output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative).
     """
 
-    integrator: OneOf("rk4", "rk54", "rk853") = "rk54"
+    integrator: OneOf(*ADAPTIVE, *FIXED_STEP) = "auto"
     formulation: OneOf("auto", "recursive", "embedding", "augmented") = "auto"
     step: Positive | None = None
     tolerance: Positive = 1e-8
     absolute_tolerance: Positive = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
     max_step: Positive | None = None
+    output: SomeOf(*SOLVER_OUTPUTS) = []
 
     @model_validator(mode="after")
     def _check_integrator(self):
-        if self.integrator == "rk4" and self.step is None:
-            raise ValueError("rk4 needs a step, as in step = 1e-3")
-        if self.integrator != "rk4" and self.step is not None:
+        fixed = self.fixed_step
+        if fixed and self.step is None:
+            raise ValueError(f"{self.integrator} needs a step, as in step = 1e-3")
+        if not fixed and self.step is not None:
             raise ValueError(
                 f"{self.integrator} chooses its step itself; write max_step, or "
                 'integrator = "rk4"'
             )
 
         for key in ("tolerance", "absolute_tolerance", "max_step"):
-            if self.integrator == "rk4" and key in self.model_fields_set:
-                raise ValueError(f"rk4 has no {key}; leave it out, or take rk54")
+            if fixed and key in self.model_fields_set:
+                raise ValueError(f"{self.integrator} has no {key}; leave it out, or take rk54")
+        if fixed and "estimated_error" in self.output:
+            raise ValueError(f"{self.integrator} estimates no error; leave out the output \"estimated_error\"")
         return self
+
+    @property
+    def fixed_step(self):
+        """Whether the integrator takes steps of one length."""
+        return self.integrator in FIXED_STEP
 
 
 def _order(path, data):

@@ -1,0 +1,143 @@
+"""Step-size control: how errors are weighed, the first step, how the next follows from the error.
+
+Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.4, and Hairer, Wanner, II (1996),
+section IV.2: PI control of explicit pairs. IV.8: Gustafsson's predictive control of implicit methods.
+"""
+
+import math
+
+from . import joints
+from .language import inlined
+from .project import project, restore_x
+from .rates import is_finite
+from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
+
+SAFETY = 0.9
+PI_BETA = 0.2
+SHRINK = 0.2
+GROW = 10.0
+
+# errors less than this are taken for it in the memory of the controllers
+LEAST_ERROR = 1e-4
+
+# a step that falls below this part of the communication step will not do
+LEAST_STEP = 1e-13
+
+
+@inlined
+def weigh(m, d):
+    """Error weights: absolute + relative tolerance times |x|; an orientation's is its unit length.
+
+    Angles and Euler parameters are weighed as rotations: their error does not become less with many turns.
+    """
+    for k in range(m.n_x):
+        d.x_scale[k] = m.absolute_tolerance[0] + m.tolerance[0] * abs(d.x[k])
+
+    for i in range(1, m.n_body):
+        kind = m.body_joint[i]
+        q = m.body_q[i]
+        rotation = m.absolute_tolerance[0] + m.tolerance[0]
+
+        if kind == joints.REVOLUTE:
+            d.x_scale[q] = rotation
+        elif joints.E_offset(kind) >= 0:
+            q += joints.E_offset(kind)
+
+            for k in range(4):
+                d.x_scale[q + k] = rotation
+
+
+@inlined
+def first_step(m, d, H, rate):
+    """A first inner step (s) of at most H from x' (at d.stage[rate:]), simplified from HNW I, section II.4."""
+    n = m.n_x
+    size = 0.0
+    speed = 0.0
+
+    for k in range(n):
+        x = d.x[k] / d.x_scale[k]
+        v = d.stage[rate + k] / d.x_scale[k]
+        size += x * x
+        speed += v * v
+
+    h = 1e-6 if size < 1e-10 * n or speed < 1e-10 * n else 0.01 * math.sqrt(size / speed)
+    return min(h, H)
+
+
+@inlined
+def pi_factor(error, error_before, order):
+    """By how much the next step is longer after an accepted one of this error (1: just allowed)."""
+    beta = PI_BETA / order
+    factor = SAFETY * max(error, 1e-10) ** -(1.0 / order - 0.75 * beta) * error_before**beta
+    return min(GROW, max(SHRINK, factor))
+
+
+@inlined
+def predictive_factor(error, error_before, h, h_before, order):
+    """The same of an implicit method, which looks back at the step before as well (h_before 0: at none)."""
+    factor = max(error, 1e-10) ** (-1.0 / order)
+
+    if h_before > 0.0:
+        factor *= min(1.0, h / h_before * (error_before / max(error, 1e-10)) ** (1.0 / order))
+
+    return factor
+
+
+@inlined
+def equal_steps(H, most):
+    """Number of equal steps of at most `most` (s) over H (s)."""
+    return max(1, int(math.ceil(H / most * (1.0 - 1e-12))))
+
+
+@inlined
+def accept(m, d):
+    """End of an inner step of fixed length: d.x is projected, or what it was before it. Returns a status."""
+    failure = project(m, d) if is_finite(d, m.n_x) else status(NOT_FINITE, 0)
+
+    if failure == OK:
+        d.steps[0] += 1.0
+    else:
+        restore_x(m, d)
+
+    return failure
+
+
+@inlined
+def too_small(finite, failure):
+    """Status where no step is small enough: the failure of the kernels, if it was one."""
+    if failure != OK:
+        return failure
+
+    return status(STEP_TOO_SMALL if finite else NOT_FINITE, 0)
+
+
+@inlined
+def forget(d):
+    """What steppers remember of a motion that does not go on so: an input jumped, a parameter or the method changed."""
+    d.ahead[0] = 0.0
+    d.rate_known[0] = 0.0
+    d.span[0] = 0.0
+    d.error_before[0] = LEAST_ERROR
+    d.step_before[0] = 0.0
+
+
+@inlined
+def remember_rate(m, d, known):
+    """Keep the rates of stage 0 for the next communication step, if they are known."""
+    d.rate_known[0] = 1.0 if known else 0.0
+
+    if known:
+        for k in range(m.n_x):
+            d.front_rate[k] = d.stage[k]
+
+
+@inlined
+def recall_rate(m, d):
+    """Stage 0 as `remember_rate` kept it; False when it kept nothing."""
+    if d.rate_known[0] == 0.0:
+        return False
+
+    for k in range(m.n_x):
+        d.stage[k] = d.front_rate[k]
+
+    return True

@@ -1,0 +1,149 @@
+"""Gauss collocation with a fixed step: for the long run.
+
+It is symmetric, so that what it does to the energy of a reversible motion is bounded and does not add up, and keeps quadratic
+invariants (the length of E) to rounding: Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), sections IV.2 and
+XI.3. The stages are found by fixed-point iteration to rounding: it is not for stiff motions.
+"""
+
+import math
+
+import numpy as np
+from numba.types import Tuple, float64, int64
+
+from . import control
+from .language import apart, inlined, kernel
+from .project import keep_x, restore_x
+from .rates import evaluate
+from .status import NO_STAGES, OK, status
+from .views import DATA, MODEL
+
+COUNT = 4
+MAX_ITERATIONS = 60
+
+# the iteration has done what it can when changes (of states of size 1) are at rounding, or no longer shrink near it
+ROUNDING = 1e-16
+STALLED = 1e-11
+
+# ... and diverges when a change is so much larger than the one before
+DIVERGES = 10.0
+
+
+def _collocation(s):
+    """(nodes c, matrix A, weights b, matrix that extrapolates the rates of a step to the next) of s Gauss points."""
+    x, w = np.polynomial.legendre.leggauss(s)
+    c = 0.5 * (x + 1.0)
+    inverse = np.linalg.inv(np.polynomial.legendre.legvander(x, s - 1))
+    A = np.array(
+        [
+            [0.5 * np.polynomial.legendre.Legendre(inverse[:, j]).integ(lbnd=-1)(x[i]) for j in range(s)]
+            for i in range(s)
+        ]
+    )
+    return c, A, 0.5 * w, np.polynomial.legendre.legvander(x + 2.0, s - 1) @ inverse
+
+
+NODES, STAGES, WEIGHTS, ONWARD = _collocation(COUNT)
+
+
+@inlined
+def guess_rates(m, d, h):
+    """Rates of the stages from those of the step before when it was as long, else from d.x_rate."""
+    n = m.n_x
+    same = abs(d.span[0] - h) <= 1e-9 * h
+
+    for k in range(n):
+        for i in range(COUNT):
+            value = d.x_rate[k]
+
+            if same:
+                value = 0.0
+
+                for j in range(COUNT):
+                    value += ONWARD[i, j] * d.dense[j * n + k]
+
+            d.stage[i * n + k] = value
+
+    for k in range(COUNT * n):
+        d.dense[k] = d.stage[k]
+
+
+@kernel
+def find_rates(m, d, s, h):
+    """Rates of the stages of a step of h from s (s) on, into d.dense, by fixed-point iteration. Returns a status."""
+    n = m.n_x
+    before = math.inf
+
+    for iteration in range(MAX_ITERATIONS):
+        change = 0.0
+
+        for i in range(COUNT):
+            for k in range(n):
+                slope = 0.0
+
+                for j in range(COUNT):
+                    slope += STAGES[i, j] * d.dense[j * n + k]
+
+                d.x[k] = d.x_before[k] + h * slope
+
+            failure = evaluate(m, d, s + NODES[i] * h)
+
+            if failure != OK:
+                return failure
+
+            for k in range(n):
+                change = max(change, abs(h * (d.x_rate[k] - d.dense[i * n + k])) / (1.0 + abs(d.x_before[k])))
+                d.dense[i * n + k] = d.x_rate[k]
+
+        if not change < DIVERGES * before:
+            break
+
+        if change <= ROUNDING or (change < STALLED and change >= before):
+            return OK
+
+        before = change
+
+    return status(NO_STAGES, 0)
+
+
+@apart(Tuple((int64, float64))(MODEL, DATA, float64))
+def gauss(m, d, H):
+    """Gauss collocation of order 2 COUNT: equal inner steps of at most m.step over H (s).
+
+    Returns (status, time reached within H).
+    """
+    n = m.n_x
+    n_step = control.equal_steps(H, m.step[0])
+    h = H / n_step
+
+    for step in range(n_step):
+        s = step * h
+        keep_x(m, d)
+        failure = OK
+
+        if abs(d.span[0] - h) > 1e-9 * h:
+            failure = evaluate(m, d, s)
+
+        if failure == OK:
+            guess_rates(m, d, h)
+            failure = find_rates(m, d, s, h)
+
+        if failure != OK:
+            restore_x(m, d)
+            d.span[0] = 0.0
+            return failure, s
+
+        for k in range(n):
+            slope = 0.0
+
+            for j in range(COUNT):
+                slope += WEIGHTS[j] * d.dense[j * n + k]
+
+            d.x[k] = d.x_before[k] + h * slope
+
+        d.span[0] = h
+        failure = control.accept(m, d)
+
+        if failure != OK:
+            return failure, s
+
+    return OK, H

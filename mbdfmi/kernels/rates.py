@@ -1,0 +1,54 @@
+"""x' = f(t, x, u): what every stepper integrates."""
+
+from numba.types import float64, int64
+
+from . import contacts, drives, dynamics, forces, joints, tree
+from .language import apart, inlined
+from .views import DATA, MODEL
+
+
+@inlined
+def set_time(m, d, s):
+    """Time and inputs at s (s) after the start of the communication step: u + u' s + u'' s^2 / 2."""
+    n = m.n_u
+    d.now[0] = d.time[0] + s
+
+    for k in range(n):
+        d.input[k] = d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * d.u_buffer[2 * n + k])
+
+
+@apart(int64(MODEL, DATA, float64))
+def evaluate(m, d, s):
+    """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
+    set_time(m, d, s)
+    drives.prescribe(m, d)
+    tree.kinematics(m, d)
+    tree.inertias(m, d)
+    forces.apply(m, d)
+
+    for i in range(1, m.n_body):
+        joints.position_rates(m, d, i)
+
+    contacts.parameter_rates(m, d)
+    d.evaluations[0] += 1.0
+    return dynamics.accelerate(m, d)
+
+
+@inlined
+def store_rate(m, d, stage):
+    """Keep d.x_rate as that of a stage."""
+    n = m.n_x
+
+    for k in range(n):
+        d.stage[stage * n + k] = d.x_rate[k]
+
+
+@inlined
+def is_finite(d, n):
+    """True when x[:n] holds no NaN and no infinity."""
+    total = 0.0
+
+    for k in range(n):
+        total += 0.0 * d.x[k]
+
+    return total == 0.0
