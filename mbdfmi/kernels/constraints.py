@@ -96,9 +96,29 @@ def pass_joint(m, d, row, r, i, at, coefficient):
     al.add_vec3(d.passed_force, parent, force)
 
 
+@inlined
+def all_matter(m, positional):
+    """Whether redundant rows may stand for others: without rows about velocities alone they need not be redundant."""
+    if positional:
+        for row in range(m.n_row):
+            if rows.is_of_velocity(m, row):
+                return True
+
+    return False
+
+
+@inlined
+def is_idle(d, row, everything):
+    """Whether a row follows from others and is not asked for: it costs nothing then."""
+    return d.row_redundant[row] == 1.0 and not everything
+
+
 @kernel
-def reach_rows(m, d):
-    """R: whitened responses of all rows; needs write_rows and the articulated inertias of aba."""
+def reach_rows(m, d, everything):
+    """R: whitened responses of the rows, the redundant ones only with `everything`.
+
+    Needs write_rows and the articulated inertias of aba.
+    """
     for c in range(m.n_constraint):
         first = m.constraint_path[c]
         end = first + m.constraint_paths[c]
@@ -109,6 +129,10 @@ def reach_rows(m, d):
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
             at = m.constraint_reach[c] + k * m.constraint_width[c]
+
+            if is_idle(d, row, everything):
+                continue
+
             d.row_size[row] = 0.0
             al.set_vec3(d.passed_moment, 0, al.ZERO3)
             al.set_vec3(d.passed_force, 0, al.ZERO3)
@@ -202,12 +226,12 @@ def row_reference(m, d, row):
 
 @inlined
 def largest_of_kind(m, d, row):
-    """Largest diagonal element among the rows of the same kind in the same constraint."""
+    """Largest diagonal element among the rows of the same kind in the same constraint, redundant ones left out."""
     c = m.row_constraint[row]
     size = 0.0
 
     for other in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
-        if m.row_kind[other] == m.row_kind[row]:
+        if m.row_kind[other] == m.row_kind[row] and d.row_redundant[other] != 1.0:
             size = max(size, d.row_diagonal[other])
 
     return size
@@ -260,6 +284,11 @@ def factor_row(m, d, c, i):
         to = m.constraint_block[e]
 
         for j in range(n if t < end else i):
+            # a column of a dropped row counts for nothing
+            if d.pivot[m.constraint_row[e] + j] == 0.0:
+                d.factor[at + j] = 0.0
+                continue
+
             value = product(m, d, row, m.constraint_row[e] + j) - common(m, d, c, t, i, e, j)
 
             for s in range(j):
@@ -290,20 +319,23 @@ def factor_rows(m, d, positional):
     The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped, and when `positional` also of
     rows that are about velocities alone. A row that follows only from such rows is then not redundant.
     """
-    apart = False
+    everything = all_matter(m, positional)
 
     for row in range(m.n_row):
-        d.row_diagonal[row] = product(m, d, row, row)
-        apart = apart or (positional and rows.is_of_velocity(m, row))
+        d.row_diagonal[row] = 0.0 if is_idle(d, row, everything) else product(m, d, row, row)
 
     for c in range(m.n_constraint):
         for i in range(m.constraint_rows[c]):
-            pivot = factor_row(m, d, c, i)
             row = m.constraint_row[c] + i
-            new = pivot > DROP * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]
-            new = new and (apart or d.row_redundant[row] != 1.0)
-            new = new and not (positional and rows.is_of_velocity(m, row))
-            d.pivot[row] = 1.0 / pivot if new else 0.0
+            d.pivot[row] = 0.0
+
+            if is_idle(d, row, everything) or (positional and rows.is_of_velocity(m, row)):
+                continue
+
+            pivot = factor_row(m, d, c, i)
+
+            if pivot > DROP * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
+                d.pivot[row] = 1.0 / pivot
 
 
 @inlined
@@ -324,12 +356,24 @@ def weakest_row(m, d):
     return weakest, least
 
 
+@inlined
+def has_weak_row(m, d):
+    """Whether redundant rows might do better than one of the others."""
+    redundant = False
+
+    for row in range(m.n_row):
+        redundant = redundant or d.row_redundant[row] > 0.0
+
+    return redundant and weakest_row(m, d)[1] <= WEAK
+
+
 @kernel
 def exchange_rows(m, d):
     """Redundant rows take the place of weak ones, when they add more.
 
     How many rows follow from others is a matter of structure, which of them can stand for the others is one of position.
-    Needs reach_rows and factor_rows at the same positions; leaves a factor without the rows that are redundant then.
+    Needs reach_rows of everything and factor_rows at the same positions; leaves a factor without the rows that are
+    redundant then.
     """
     redundant = 0
 
@@ -375,6 +419,10 @@ def solve_rows(m, d):
         end = first + m.constraint_meets[c]
 
         for i in range(m.constraint_rows[c]):
+            if d.pivot[m.constraint_row[c] + i] == 0.0:
+                d.multiplier[m.constraint_row[c] + i] = 0.0
+                continue
+
             value = d.row_left[m.constraint_row[c] + i]
 
             for t in range(first, end + 1):
@@ -397,6 +445,9 @@ def solve_rows(m, d):
         for i in range(m.constraint_rows[c] - 1, -1, -1):
             value = d.multiplier[m.constraint_row[c] + i]
 
+            if value == 0.0:
+                continue
+
             for t in range(first, end + 1):
                 e = m.meet_constraint[t] if t < end else c
                 n = m.constraint_rows[e]
@@ -416,6 +467,9 @@ def gather_white(m, d):
         c = m.row_constraint[row]
         at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
         factor = d.multiplier[row]
+
+        if factor == 0.0:
+            continue
 
         for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
             i = m.path_node[step]

@@ -3,20 +3,33 @@
 from numba.types import boolean, int64, void
 
 from . import constraints, embedding, rows, tree
-from .language import apart, inlined
+from .language import apart, inlined, kernel
 from .status import OK
 from .views import DATA, MODEL
 
 
 @inlined
 def reach_and_factor(m, d, positional):
-    """Responses of all rows and the factor of C M^-1 C^T."""
-    if m.embeds == 1:
-        embedding.reach_rows(m, d)
-    else:
-        constraints.reach_rows(m, d)
-
+    """Responses of the rows and the factor of C M^-1 C^T."""
+    reach(m, d, constraints.all_matter(m, positional))
     constraints.factor_rows(m, d, positional)
+
+
+@inlined
+def reach(m, d, everything):
+    """Responses of the rows, the redundant ones only with `everything`."""
+    if m.embeds == 1:
+        embedding.reach_rows(m, d, everything)
+    else:
+        constraints.reach_rows(m, d, everything)
+
+
+@kernel
+def exchange_rows(m, d):
+    """Redundant rows take the place of weak ones; needs factor_rows_here at the same positions."""
+    if constraints.has_weak_row(m, d):
+        reach(m, d, True)
+        constraints.exchange_rows(m, d)
 
 
 @apart(void(MODEL, DATA))

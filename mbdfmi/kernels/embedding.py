@@ -137,13 +137,17 @@ def add_jacobian(m, d, row, r, i, moment, force):
 
 
 @kernel
-def reach_rows(m, d):
-    """Rows of C L^-T, each over all velocity coordinates."""
+def reach_rows(m, d, everything):
+    """Rows of C L^-T, each over all velocity coordinates; redundant ones only with `everything`."""
     n = m.n_v
 
     for row in range(m.n_row):
         c = m.row_constraint[row]
         at = row * n
+
+        if constraints.is_idle(d, row, everything):
+            continue
+
         d.row_size[row] = 0.0
 
         for v in range(n):

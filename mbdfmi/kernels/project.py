@@ -167,7 +167,7 @@ def project(m, d):
 
         if failure == OK:
             factor_for_velocities(m, d)
-            constraints.exchange_rows(m, d)
+            dynamics.exchange_rows(m, d)
             project_velocities(m, d)
 
     coordinates.follow_turns(m, d)
@@ -294,6 +294,6 @@ def find_redundant(m, d):
             for row in range(m.n_row):
                 d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
 
-            constraints.exchange_rows(m, d)
+            dynamics.exchange_rows(m, d)
 
     restore_x(m, d)
