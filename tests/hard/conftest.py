@@ -1,0 +1,28 @@
+"""Fixtures of the hard cases."""
+
+import faulthandler
+import sys
+
+import pytest
+
+# s that one case may take, the first one compiling the kernels
+A_HANG = 900
+
+
+@pytest.fixture(autouse=True)
+def no_hang():
+    """A hang inside a kernel cannot be interrupted: it ends the test run, with a traceback."""
+    faulthandler.dump_traceback_later(A_HANG, exit=True, file=sys.__stderr__)
+    yield
+    faulthandler.cancel_dump_traceback_later()
+
+
+@pytest.fixture
+def check(record_property):
+    """A function check(error, allowed) that also writes the error down (pytest --junitxml)."""
+
+    def check(error, allowed):
+        record_property("error", f"{error:.1e}")
+        assert error < allowed
+
+    return check
