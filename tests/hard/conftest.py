@@ -6,7 +6,7 @@ import sys
 import pytest
 
 # s that one case may take, the first one compiling the kernels
-A_HANG = 900
+A_HANG = 300
 
 
 @pytest.fixture(autouse=True)

@@ -7,6 +7,7 @@ What is never allowed is a NaN, a hang or a crash.
 
 import sys
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -145,3 +146,14 @@ def bars(n, **tables):
     }
     scene = {"name": "bars", "gravity": [0, -9.81, 0], "body": body, "joint": joint, "output": ["total_energy"]}
     return scene | tables
+
+
+def ends(function, seconds):
+    """Whether a call ends in this time, in a process of its own that can be stopped."""
+    process = get_context("fork").Process(target=function)
+    process.start()
+    process.join(seconds)
+    alive = process.is_alive()
+    process.kill()
+    process.join()
+    return not alive
