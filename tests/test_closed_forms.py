@@ -1,11 +1,8 @@
-"""Whole runs against closed forms and reference digits (tests/reference/*.json, each with its source).
+"""Whole runs against closed forms and reference digits (mbdfmi/report/reference/*.json, each with its source).
 
 Tolerances: what is asked for stands some ten times above what a run with the solver's tolerance reaches, and where the
 problem amplifies errors, its notes say how many digits there are.
 """
-
-import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from mbdfmi.model import compile_scene
+from mbdfmi.report.problem_files import problem_file
 from mbdfmi.scene import Scene
 from mbdfmi.simulate import Instance
 
@@ -23,15 +21,11 @@ POSE = ["position", "euler_parameters", "omega_body"]
 
 def reference(name):
     """A reference file; `column` by quantity, E (scalar last) and the times beside."""
-    file = Path(__file__).parent / "reference" / f"{name}.json"
-    data = json.loads(file.read_text())
-    values = np.array(data["values"])
-    data["column"] = dict(zip(data["quantities"], values.T))
+    data = problem_file(name)
 
     if "q3" in data["column"]:
         data["E"] = np.column_stack([data["column"][q] for q in ("q1", "q2", "q3", "q0")])
 
-    data["t"] = data["column"].get("t")
     return data
 
 

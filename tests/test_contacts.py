@@ -1,18 +1,15 @@
 """End frames on curves and surfaces: shapes, rows, reference digits, closed forms, reactions."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from mbdfmi.kernels import constraints, contacts, curves, joints, rows, surfaces, tree
 from mbdfmi.model import compile_scene
+from mbdfmi.report.problem_files import problem_file
 from mbdfmi.scene import Scene, SceneError
 from mbdfmi.simulate import Instance, SimulationError, simulate
 
-REFERENCE = Path(__file__).parent / "reference"
 SOLVER = {"integrator": "rk853", "tolerance": 1e-12}
 SEED = 3
 FORMULATIONS = ["recursive", "embedding", "augmented"]
@@ -115,8 +112,7 @@ def columns(results, name, size):
 
 def reference(name):
     """Columns by name, times from the second communication point on."""
-    data = json.loads((REFERENCE / f"{name}.json").read_text())
-    return dict(zip(data["quantities"], np.array(data["values"]).T))
+    return problem_file(name)["column"]
 
 
 # shapes
@@ -426,7 +422,7 @@ def test_period_on_a_cycloid_does_not_depend_on_the_amplitude(arc):
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_particle_on_torus(formulation):
-    data = json.loads((REFERENCE / "particle_on_torus.json").read_text())["bodies"][0]
+    data = problem_file("particle_on_torus")["bodies"][0]
     marker = {"surface": {"torus": {"radius": 2.0, "tube": 0.5}}}
     scene = particle("point_on_surface", marker, data["r0"], data["v0"], formulation=formulation)
     results = simulate(compile_scene(scene), until=10.0, step=0.5)

@@ -2,7 +2,6 @@
 promise.
 """
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mbdfmi
+from mbdfmi.report.problem_files import problem_file
 
 MODELS = Path(__file__).parents[1] / "models"
-REFERENCE = Path(__file__).parent / "reference"
 G = 9.81
 
 
@@ -88,7 +87,7 @@ def test_rolling_disk_does_not_slip_and_keeps_its_energy():
 
 
 def test_bead_on_the_spinning_hoop():
-    data = json.loads((REFERENCE / "bead_rotating_hoop.json").read_text())
+    data = problem_file("bead_rotating_hoop")
     expected = np.array(data["values"])
     results = model("spinning_hoop").simulate(5.0, 0.5)
 

@@ -1,4 +1,9 @@
-"""Scenes from the problem files of tests/reference: bodies and joints at absolute poses, scalar part of q0 first."""
+"""The problem files of `reference/`, and scenes of what they describe.
+
+Their conventions: SI; `inertia` = [xx, yy, zz, xy, xz, yz] about the centre of mass in body axes; `r0` centre of
+mass, `q0` its orientation, scalar part FIRST; `v0`, `w0` in inertial axes; a joint's `point` and `axis` inertial, at
+t = 0. `quantities` and `values`, one row a time, are the reference digits; `how_obtained` says where from.
+"""
 
 import json
 from pathlib import Path
@@ -6,25 +11,32 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.topology import axes_with_z
+from ..topology import axes_with_z
 
 REFERENCE = Path(__file__).parent / "reference"
 
 
-def problem(name):
-    """The problem file of a name, as a dict; `column` by quantity and the times `t` (n,) beside."""
-    data = json.loads((REFERENCE / f"{name}.json").read_text())
-    table = data.get("reference", data)
-    data["column"] = dict(zip(table["quantities"], np.array(table["values"], float).T))
-    data["t"] = data["column"]["t"]
+def problem_file(name: str) -> dict:
+    """The problem file of a name; beside what it holds, by quantity, `column` (n,), and the times `t` (n,), s."""
+    data = json.loads((REFERENCE / f"{name}.json").read_text(encoding="utf-8"))
+    data |= data.get("reference", {})
+    data["column"] = dict(zip(data["quantities"], np.array(data["values"], float).T))
+    data["t"] = data["column"].get("t")
     return data
 
 
-def scene_of(data, body_output=(), **extra):
-    """The scene (a dict) of a problem's bodies, joints, spring-dampers, torques, gravity and start velocities.
+def pose_of(body: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of mass (3,) m and axes (3, 3), columns in inertial axes, of a body of a problem file at t = 0."""
+    w, x, y, z = body.get("q0", [1, 0, 0, 0])
+    return np.array(body.get("r0", [0, 0, 0]), float), Rotation.from_quat([x, y, z, w]).as_matrix()
 
-    Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies without
-    joints get free ones. body_output: outputs of every body. `extra`: further keys of the scene; tables are merged.
+
+def scene_of(data: dict, body_output=(), **extra) -> dict:
+    """The scene of a problem's bodies, joints, spring-dampers, torques, gravity and start velocities.
+
+    Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies
+    without joints get free ones. body_output: outputs of every body. `extra`: further keys of the scene; tables are
+    merged.
     """
     bodies = {body["name"]: _Body(body) for body in data["bodies"]}
     bodies["ground"] = _Body({"name": "ground"})
@@ -52,12 +64,9 @@ def scene_of(data, body_output=(), **extra):
             forces[f"torque {k + 1}"] = {"load": {"moment": force["vector"]}, "on": name}
             continue
 
-        forces[f"spring {k + 1}"] = {
-            "spring_damper": {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]},
-            "between": [
-                bodies[force[f"body_{side}"]].marker(f"f{k + 1}", force[f"point_{side}"], np.eye(3)) for side in "ij"
-            ],
-        }
+        ends = [bodies[force[f"body_{side}"]].marker(f"f{k + 1}", force[f"point_{side}"], np.eye(3)) for side in "ij"]
+        spring = {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]}
+        forces[f"spring {k + 1}"] = {"spring_damper": spring, "between": ends}
 
     for name, body in bodies.items():
         if name != "ground" and not body.markers:
@@ -91,9 +100,7 @@ def scene_of(data, body_output=(), **extra):
 class _Body:
     def __init__(self, data):
         self.data = data
-        self.r = np.array(data.get("r0", [0, 0, 0]), float)
-        w, x, y, z = data.get("q0", [1, 0, 0, 0])
-        self.A = Rotation.from_quat([x, y, z, w]).as_matrix()
+        self.r, self.A = pose_of(data)
         self.v = np.array(data.get("v0", [0, 0, 0]), float)
         self.w = np.array(data.get("w0", [0, 0, 0]), float)
         self.markers = {}

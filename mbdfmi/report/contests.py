@@ -1,0 +1,149 @@
+"""Error against CPU time: all contestants on a problem, in turns.
+
+A contestant has `name`, `how` (it is used), `ours`, `settings(problem)`, from loose to tight, and
+`prepare(problem, setting)`, which gives a run: `run()` starts from t = 0 again and returns the CPU seconds of the
+integration alone and the motion at the reference times. What a contestant cannot do it says by raising `Cannot`, and
+the report tells it.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .problems import Problem
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+STEP_PARTS = (1, 1 / 4, 1 / 16, 1 / 64, 1 / 256)
+QUICK_SETTINGS = 3
+AIMS = (1e-8, 1e-10)  # errors at which CPU times are compared
+
+
+class Cannot(Exception):
+    """A contestant cannot run this; the text says why."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One setting of a contestant: its label, and its values by the contestant's own names."""
+
+    label: str
+    values: dict
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much time is spent.
+
+    settings : how many of a contestant's are run, from the loosest on; None: all.
+    rounds : of all contestants, at most.
+    longest : s of CPU; a contestant whose run takes longer is not run at a tighter setting.
+    enough : s of CPU; what has taken so much in all rounds together is not repeated.
+    """
+
+    settings: int | None = None
+    rounds: int = 7
+    longest: float = 4.0
+    enough: float = 0.3
+
+
+QUICK = Limits(settings=QUICK_SETTINGS, rounds=1, longest=0.5, enough=0.0)
+
+
+@dataclass
+class Point:
+    """One contestant at one setting.
+
+    cpu_s : least of the rounds, None when it failed.  error : of the state (see Problem.error).
+    effort : what the contestant counts beside, as steps.  reason : why there is no figure.
+    """
+
+    setting: str
+    values: dict
+    cpu_s: float | None = None
+    error: float | None = None
+    rounds: int = 0
+    effort: dict = field(default_factory=dict)
+    reason: str | None = None
+    spent: float = 0.0
+
+    def take(self, run, problem: Problem):
+        """Runs once more, and keeps the least time."""
+        seconds, table = run.run()
+        self.spent += seconds
+        self.rounds += 1
+        self.cpu_s = min(seconds, self.cpu_s or np.inf)
+
+        if self.error is None:
+            self.error = problem.error(table)
+            self.effort = dict(getattr(run, "effort", {}))
+
+
+def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Callable[[str], None]) -> dict:
+    """name -> list of Points, of every contestant on a problem.
+
+    tell : called with what comes next.
+    """
+    results, running = {}, []
+
+    for contestant in contestants:
+        tell(f"{problem.title}: {contestant.name}")
+        points = results[contestant.name] = []
+
+        for setting in contestant.settings(problem)[: limits.settings]:
+            point = Point(setting.label, setting.values)
+            points.append(point)
+            before = points[-2] if len(points) > 1 else None
+
+            if before and before.cpu_s and before.cpu_s > limits.longest:
+                point.reason = f"not run: {before.setting} took {before.cpu_s:.1f} s"
+                break
+
+            try:
+                run = contestant.prepare(problem, setting)
+                run.run() if not running else None
+                point.take(run, problem)
+            except Cannot as why:
+                point.reason = str(why)
+                continue
+
+            if not np.isfinite(point.error):
+                point.reason, point.cpu_s, point.error = "the motion is not finite", None, None
+            else:
+                running.append((run, point))
+
+    for k in range(1, limits.rounds):
+        tell(f"{problem.title}: round {k + 1} of {limits.rounds}")
+
+        for run, point in running:
+            if point.spent < limits.enough:
+                point.take(run, problem)
+
+    return results
+
+
+def cpu_at(points: list[Point], error: float) -> float | None:
+    """CPU seconds that an error costs, from the points by lines in log-log; None where no point is so exact.
+
+    Only points on the front count: those that no other beats in both. A point beyond the loosest is not made up:
+    whoever is more exact than asked for at the loosest setting is given that one's time.
+    """
+    front = []
+
+    for point in sorted((p for p in points if p.cpu_s and p.error is not None), key=lambda p: p.cpu_s):
+        if not front or point.error < front[-1].error:
+            front.append(point)
+
+    exact = [k for k, point in enumerate(front) if point.error <= error]
+
+    if not exact:
+        return None
+
+    k = exact[0]
+
+    if k == 0:
+        return front[0].cpu_s
+
+    x = np.log([max(point.error, 1e-17) for point in front[k - 1 : k + 1]])
+    y = np.log([point.cpu_s for point in front[k - 1 : k + 1]])
+    return float(np.exp(y[0] + (np.log(error) - x[0]) / (x[1] - x[0]) * (y[1] - y[0])))

@@ -1,0 +1,104 @@
+"""Our own steppers as contestants: every integrator a scene can name, on the scene of a problem."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels import entry
+from ..kernels.language import kernel
+from ..kernels.status import OK
+from ..model import compile_scene
+from ..scene import Scene, SceneError
+from ..simulate import Instance, explain
+from .contests import STEP_PARTS, TOLERANCES, Cannot, Setting
+from .problems import MOTION_SIZE, Problem
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """An integrator of ours as a contestant.
+
+    name : in a scene's `solver`.  fixed : whether it takes a step rather than a tolerance.
+    """
+
+    name: str
+    how: str
+    fixed: bool = False
+    ours = True
+
+    def settings(self, problem: Problem) -> list[Setting]:
+        """From loose to tight."""
+        key, values = ("step", problem.step * np.array(STEP_PARTS)) if self.fixed else ("tolerance", TOLERANCES)
+        return [Setting(f"{key} {value:.3g}", {key: float(value)}) for value in values]
+
+    def prepare(self, problem: Problem, setting: Setting) -> "OurRun":
+        """A run to be timed. Raises Cannot."""
+        solver = {"integrator": self.name} | setting.values
+
+        try:
+            scene = Scene.model_validate(problem.scene_tables(solver))
+        except SceneError as error:
+            raise Cannot(str(error).splitlines()[0]) from None
+
+        return OurRun(scene, problem.times)
+
+
+# the one list of our steppers: a new integrator is a new line here
+STEPPERS = (
+    Stepper("rk4", "classical Runge-Kutta method of order 4, fixed step", fixed=True),
+    Stepper("rk54", "explicit Runge-Kutta pair of order 5(4), adaptive"),
+    Stepper("rk853", "explicit Runge-Kutta pair of order 8(5,3), adaptive"),
+    Stepper("radau", "implicit Radau IIA method of order 5, adaptive"),
+    Stepper("ros2", "linearly implicit method of order 2, fixed step", fixed=True),
+    Stepper("gauss6", "implicit symmetric Gauss method of order 6, fixed step", fixed=True),
+    Stepper("auto", "chosen by the solver itself"),
+)
+
+
+class OurRun:
+    """A scene and the times to stop at. The loop over these is compiled."""
+
+    def __init__(self, scene: Scene, times: np.ndarray):
+        self.instance = Instance(compile_scene(scene))
+        self.times = times
+        self.rows = np.zeros((len(times), self.instance.model.n_y))
+
+    def run(self) -> tuple[float, np.ndarray]:
+        """CPU seconds of the steps and outputs, and the motion (n_t, n_body, MOTION_SIZE). Raises Cannot."""
+        m, d = self.instance.m, self.instance.d
+        failure = entry.initialise(m, d, 0.0)
+        start = time.process_time()
+        failure = failure or follow(m, d, self.times, self.instance.y, self.rows)
+        seconds = time.process_time() - start
+
+        if failure != OK:
+            raise Cannot(explain(self.instance.model, failure))
+
+        return seconds, self.rows.reshape(len(self.times), -1, MOTION_SIZE).copy()
+
+    @property
+    def effort(self) -> dict[str, int]:
+        """Steps taken, steps rejected and evaluations of the accelerations of the last run."""
+        d = self.instance.d
+        return {"steps": int(d.steps[0]), "rejected": int(d.rejected[0]), "evaluations": int(d.evaluations[0])}
+
+
+@kernel
+def follow(m, d, times, y, rows):
+    """Outputs (n_t, n_y) at the times (n_t,), s, by one communication step to each. Returns a status."""
+    for k in range(len(times)):
+        failure = entry.step(m, d, times[k] - d.time[0])
+
+        if failure != OK:
+            return failure
+
+        failure = entry.compute_outputs(m, d, y)
+
+        if failure != OK:
+            return failure
+
+        for j in range(len(y)):
+            rows[k, j] = y[j]
+
+    return OK
