@@ -13,9 +13,7 @@ import numpy as np
 
 from .problems import Problem
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-STEP_PARTS = (1, 1 / 4, 1 / 16, 1 / 64, 1 / 256)
-QUICK_SETTINGS = 3
+QUICK_LEVELS = 3
 AIMS = (1e-8, 1e-10)  # errors at which CPU times are compared
 
 
@@ -25,29 +23,30 @@ class Cannot(Exception):
 
 @dataclass(frozen=True)
 class Setting:
-    """One setting of a contestant: its label, and its values by the contestant's own names."""
+    """One setting of a contestant: its label, its values by the contestant's own names, and its level: 0 the loosest."""
 
     label: str
     values: dict
+    level: int
 
 
 @dataclass(frozen=True)
 class Limits:
     """How much time is spent.
 
-    settings : how many of a contestant's are run, from the loosest on; None: all.
+    levels : how many of a contestant's settings' are run, from the loosest on.
     rounds : of all contestants, at most.
     longest : s of CPU; a contestant whose run takes longer is not run at a tighter setting.
     enough : s of CPU; what has taken so much in all rounds together is not repeated.
     """
 
-    settings: int | None = None
+    levels: int = 100
     rounds: int = 7
     longest: float = 4.0
     enough: float = 0.3
 
 
-QUICK = Limits(settings=QUICK_SETTINGS, rounds=1, longest=0.5, enough=0.0)
+QUICK = Limits(levels=QUICK_LEVELS, rounds=1, longest=0.5, enough=0.0)
 
 
 @dataclass
@@ -70,6 +69,10 @@ class Point:
     def take(self, run, problem: Problem):
         """Runs once more, and keeps the least time."""
         seconds, table = run.run()
+
+        if not np.all(np.isfinite(table)):
+            raise Cannot("the motion is not finite")
+
         self.spent += seconds
         self.rounds += 1
         self.cpu_s = min(seconds, self.cpu_s or np.inf)
@@ -90,27 +93,34 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
         tell(f"{problem.title}: {contestant.name}")
         points = results[contestant.name] = []
 
-        for setting in contestant.settings(problem)[: limits.settings]:
+        too_long = None
+
+        for setting in contestant.settings(problem):
+            if setting.level >= limits.levels:
+                continue
+
             point = Point(setting.label, setting.values)
             points.append(point)
-            before = points[-2] if len(points) > 1 else None
 
-            if before and before.cpu_s and before.cpu_s > limits.longest:
-                point.reason = f"not run: {before.setting} took {before.cpu_s:.1f} s"
-                break
+            if too_long and setting.level > too_long[1]:
+                point.reason = f"not run: {too_long[0].setting} took {too_long[0].cpu_s:.1f} s"
+                continue
 
             try:
                 run = contestant.prepare(problem, setting)
-                run.run() if not running else None
+            except Cannot as why:
+                point.reason = str(why)
+                break
+
+            try:
                 point.take(run, problem)
             except Cannot as why:
                 point.reason = str(why)
-                continue
-
-            if not np.isfinite(point.error):
-                point.reason, point.cpu_s, point.error = "the motion is not finite", None, None
             else:
                 running.append((run, point))
+
+                if point.cpu_s > limits.longest:
+                    too_long = too_long or (point, setting.level)
 
     for k in range(1, limits.rounds):
         tell(f"{problem.title}: round {k + 1} of {limits.rounds}")

@@ -27,8 +27,8 @@ class Missing(Exception):
     """A peer cannot be had here; the text says why and what would help."""
 
 
-def _library(module, package):
-    """An optional library."""
+def library_of(module: str, package: str):
+    """An optional library. Raises Missing."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
@@ -51,10 +51,10 @@ class Pinocchio:
     @classmethod
     def version(cls) -> str:
         """Version of the library. Raises Missing."""
-        return _library("pinocchio", "pin").__version__
+        return library_of("pinocchio", "pin").__version__
 
     def __init__(self, links: list[Link]):
-        pin = self.pin = _library("pinocchio", "pin")
+        pin = self.pin = library_of("pinocchio", "pin")
         self.model = pin.Model()
         self.model.gravity.linear = np.array(GRAVITY)
         joints = (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
@@ -109,7 +109,7 @@ class PinocchioNative:
     @cache
     def _library(cls):
         Pinocchio.version()
-        library = ctypes.CDLL(str(_compiled(_include_folders())))
+        library = compiled("pinocchio_loop.cpp")
         reals = np.ctypeslib.ndpointer(np.float64, flags="C")
         handle = ctypes.c_void_p
         library.mechanism_new.restype = handle
@@ -171,12 +171,16 @@ def _include_folders():
     return folders
 
 
-def _compiled(folders):
-    """The loop as a shared library, compiled when it is not yet."""
-    source = Path(__file__).with_name("pinocchio_loop.cpp")
+def compiled(name: str) -> ctypes.CDLL:
+    """A source beside this file that needs Pinocchio's headers, as a library; compiled when it is not yet.
+
+    Raises Missing.
+    """
+    folders = _include_folders()
+    source = Path(__file__).with_name(name)
     key = source.read_bytes() + repr((folders, Pinocchio.version(), version("ziglang"))).encode()
     suffix = {"nt": "dll"}.get(os.name, "so")
-    name = f"pinocchio_{hashlib.sha256(key).hexdigest()[:20]}.{suffix}"
+    name = f"{source.stem}_{hashlib.sha256(key).hexdigest()[:20]}.{suffix}"
     library = cache_directory() / "bench" / name
 
     if not library.exists():
@@ -191,7 +195,7 @@ def _compiled(folders):
                 message = done.stderr.strip().partition("\n")[0]
                 raise Missing(f"Pinocchio's headers do not compile: {message}")
 
-    return library
+    return ctypes.CDLL(str(library))
 
 
 class MuJoCo:
@@ -209,10 +213,10 @@ class MuJoCo:
     def version(cls) -> str:
         """Version of the library. Raises Missing."""
         _mujoco_loop()
-        return _library("mujoco", "mujoco").__version__
+        return library_of("mujoco", "mujoco").__version__
 
     def __init__(self, links: list[Link]):
-        mujoco = _library("mujoco", "mujoco")
+        mujoco = library_of("mujoco", "mujoco")
         spec = mujoco.MjSpec()
         spec.option.gravity = GRAVITY
         bodies = []
@@ -258,7 +262,7 @@ def _mujoco_loop():
     """n evaluations through the C library's functions, without Python in between."""
     import numba
 
-    folder = Path(_library("mujoco", "mujoco").__file__).parent
+    folder = Path(library_of("mujoco", "mujoco").__file__).parent
     names = ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll")
     libraries = [path for name in names for path in folder.glob(name)]
 

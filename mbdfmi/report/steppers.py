@@ -11,7 +11,7 @@ from ..kernels.status import OK
 from ..model import compile_scene
 from ..scene import Scene, SceneError
 from ..simulate import Instance, explain
-from .contests import STEP_PARTS, TOLERANCES, Cannot, Setting
+from .contests import Cannot, Setting
 from .problems import MOTION_SIZE, Problem
 
 
@@ -29,8 +29,8 @@ class Stepper:
 
     def settings(self, problem: Problem) -> list[Setting]:
         """From loose to tight."""
-        key, values = ("step", problem.step * np.array(STEP_PARTS)) if self.fixed else ("tolerance", TOLERANCES)
-        return [Setting(f"{key} {value:.3g}", {key: float(value)}) for value in values]
+        key, values = ("step", problem.steps) if self.fixed else ("tolerance", problem.tolerances)
+        return [Setting(f"{key} {value:.3g}", {key: value}, level) for level, value in enumerate(values)]
 
     def prepare(self, problem: Problem, setting: Setting) -> "OurRun":
         """A run to be timed. Raises Cannot."""
