@@ -87,7 +87,7 @@ def test_info(command, monkeypatch):
 
     assert status == 0
     assert "7 bodies in 2 rigid parts, 7 degrees of freedom" in printed
-    assert "rk54, adaptive step, tolerance 1e-07 relative, 1e-07 absolute" in printed
+    assert "auto, adaptive step, tolerance 1e-07 relative, 1e-07 absolute" in printed
     assert "mass, kg" in printed and "5.452e+06" in printed
     assert "platform.moment[1..3]" in printed and "N.m" in printed
     assert "hydrostatics.stiffness" not in printed

@@ -70,7 +70,10 @@ def test_cubic_spring_by_table_has_the_period_of_its_polynomial():
     """x'' = -x^3: the period is 4 K(m = 1/2) / amplitude."""
     x = np.linspace(-1.2, 1.2, 1201)
     table = {"position": x, "effort": 2 * x**3}
-    model = slider(spring={"table": table}, start={"position": 1.0})
+
+    # a spline is no smoother than a method of order 5 can use
+    solver = TIGHT | {"integrator": "rk54"}
+    model = slider(spring={"table": table}, start={"position": 1.0}, solver=solver)
     period = 4 * ellipk(0.5)
     run = simulate(model, period, period / 4)
     assert_near(run["slide.position"], [1, 0, -1, 0, 1], 2e-6)

@@ -186,9 +186,10 @@ def test_any_step_gives_the_same_to_rounding(scene, fmu):
     outputs = scene.compile().of_causality("output")
 
     for v in outputs:
-        # a total energy is a small difference of large ones
+        # a total energy is a small difference of large ones, a gap of constraints nothing but rounding of sizes about 1
         scale = max(np.abs(expected[w.name]).max() for w in outputs if w.unit == v.unit)
-        np.testing.assert_allclose(result[v.name], expected[v.name], rtol=1e-12, atol=1e-12 * scale, err_msg=v.name)
+        atol = 1e-12 * max(scale, 1e-2)
+        np.testing.assert_allclose(result[v.name], expected[v.name], rtol=1e-12, atol=atol, err_msg=v.name)
 
 
 def test_scene_in_python_gives_the_same_fmu(scene, tmp_path, monkeypatch):

@@ -82,7 +82,7 @@ def test_scene_is_read_in_file_order(arm):
     assert list(arm.joint) == ["shoulder", "elbow"]
     assert arm.output == ["total_energy"]
     assert arm.gravity == (0, 0, -9.81)
-    assert arm.solver.integrator == "rk54"
+    assert arm.solver.integrator == "auto"
     assert arm.solver.tolerance == arm.solver.absolute_tolerance == 1e-6
 
 

@@ -51,7 +51,7 @@ STEPPERS = (
     Stepper("rk853", "explicit Runge-Kutta pair of order 8(5,3), adaptive"),
     Stepper("radau", "implicit Radau IIA method of order 5, adaptive"),
     Stepper("ros2", "linearly implicit method of order 2, fixed step", fixed=True),
-    Stepper("gauss6", "implicit symmetric Gauss method of order 6, fixed step", fixed=True),
+    Stepper("gauss", "implicit symmetric Gauss method of order 6, fixed step", fixed=True),
     Stepper("auto", "chosen by the solver itself"),
 )
 

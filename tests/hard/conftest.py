@@ -2,8 +2,12 @@
 
 import faulthandler
 import sys
+from pathlib import Path
 
 import pytest
+
+# what other tests use too: fmu_host
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 # s that one case may take, the first one compiling the kernels
 A_HANG = 300

@@ -56,7 +56,7 @@ def test_the_amplification_is_that_of_a_chaotic_motion():
     [(table, allowed, f"{name} fine") for table, allowed, name in adaptive(1e-8, 1e-8)],
     [(table, allowed, f"{name} finer") for table, allowed, name in adaptive(1e-12, 1e-12)],
     fixed("rk4", 2e-3, 1e-8),
-    fixed("gauss6", 5e-3, 1e-8),
+    fixed("gauss", 5e-3, 1e-8),
     fixed("ros2", 1e-3, 1e-4),
 )
 def test_error_grows_no_faster_than_the_motion_amplifies_it(check, solver, allowed):

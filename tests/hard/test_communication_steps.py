@@ -40,7 +40,7 @@ def motion_error(instance):
 EACH = solvers(
     adaptive(1e-11, 1e-7),
     fixed("rk4", 1e-3, 1e-7),
-    fixed("gauss6", 1e-2, 1e-7),
+    fixed("gauss", 1e-2, 1e-7),
     fixed("ros2", 1e-3, 1e-1),
 )
 
@@ -103,7 +103,7 @@ def test_mixed_steps(check, seed, solver, allowed):
     check(motion_error(instance), allowed)
 
 
-@solvers(adaptive(1e-12, 1e-6), fixed("gauss6", 5e-3, 1e-3))
+@solvers(adaptive(1e-12, 1e-6), fixed("gauss", 5e-3, 1e-3))
 def test_a_step_of_1000_s(check, solver, allowed):
     """380 swings in one step, and after it one of 1e-9 s."""
     instance = start(pendulum(), solver)
@@ -132,7 +132,7 @@ def test_large_after_small_costs_no_million(check, solver, allowed):
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-3, 1e-6),
-    fixed("gauss6", 5e-3, 1e-6),
+    fixed("gauss", 5e-3, 1e-6),
     fixed("ros2", 1e-3, 1e-2),
 )
 @pytest.mark.parametrize("H", [1e-7, 1e-5])

@@ -56,7 +56,7 @@ def axis_at(tilt, turned):
 SOLVERS = solvers(
     adaptive(1e-11, 1e-6),
     fixed("rk4", 5e-6, 1e-5),
-    fixed("gauss6", 5e-5, 1e-5),
+    fixed("gauss", 5e-5, 1e-5),
 )
 
 

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 EACH = solvers(
     adaptive(1e-11, 1e-8),
     fixed("rk4", 1e-3, 1e-8),
-    fixed("gauss6", 2e-2, 1e-8),
+    fixed("gauss", 2e-2, 1e-8),
     fixed("ros2", 1e-3, 1e-4),
 )
 
@@ -101,7 +101,7 @@ def free_attitude(omega, t):
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-4, 1e-5),
-    fixed("gauss6", 1e-3, 1e-5),
+    fixed("gauss", 1e-3, 1e-5),
 )
 @pytest.mark.parametrize("miss", [0.3, 0.03])
 def test_a_ball_in_massless_rings_turns_as_if_free(check, miss, solver, allowed):

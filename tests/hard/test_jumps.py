@@ -101,7 +101,7 @@ def random_pieces(seed, n, smallest=1e-3, derivatives=False):
 ROTOR = solvers(
     adaptive(1e-8, 1e-10),
     fixed("rk4", 0.07, 1e-10),
-    fixed("gauss6", 0.07, 1e-10),
+    fixed("gauss", 0.07, 1e-10),
     fixed("ros2", 0.07, 1e-10),
 )
 
@@ -131,7 +131,7 @@ def test_random_jumps_on_a_rotor(check, seed, solver, allowed):
 @solvers(
     adaptive(1e-10, 1e-8),
     fixed("rk4", 0.07, 1e-8),
-    fixed("gauss6", 0.07, 1e-8),
+    fixed("gauss", 0.07, 1e-8),
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_random_jumps_with_derivatives_on_a_rotor(check, seed, solver, allowed):
@@ -153,7 +153,7 @@ def test_blows(check, solver, allowed):
 OSCILLATOR = solvers(
     adaptive(1e-10, 1e-7),
     fixed("rk4", 5e-3, 1e-6),
-    fixed("gauss6", 0.02, 1e-7),
+    fixed("gauss", 0.02, 1e-7),
     fixed("ros2", 2e-3, 1e-2),
 )
 

@@ -12,7 +12,7 @@ from pytest import mark
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-3, 1e-6),
-    fixed("gauss6", 5e-3, 1e-6),
+    fixed("gauss", 5e-3, 1e-6),
     fixed("ros2", 1e-3, 1e-2),
 )
 def test_bricard(check, formulation, solver, allowed):

@@ -37,7 +37,7 @@ def windows_error(n, y, rows, data):
 EACH = solvers(
     adaptive(1e-10, 2e-6),
     fixed("rk4", 1e-3, 1e-5),
-    fixed("gauss6", 5e-3, 1e-6),
+    fixed("gauss", 5e-3, 1e-6),
     fixed("ros2", 1e-3, 1e-2),
 )
 

@@ -22,7 +22,7 @@ YAW = {
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-5, 1e-5),
-    fixed("gauss6", 5e-5, 1e-5),
+    fixed("gauss", 5e-5, 1e-5),
     fixed("ros2", 1e-5, 1e-1),
 )
 @pytest.mark.parametrize("name", ["ivp_andrews", "A03_andrews_iftomm"])
