@@ -34,7 +34,6 @@ def governor():
 @solvers(
     adaptive(1e-8, 1e-5),
     fixed("rk4", 2.5e-5, 1e-6),
-    fixed("gauss", 5e-3, 1e-4),
     fixed("ros2", 1e-3, 1e-2),
 )
 def test_flyball_governor(check, solver, allowed):
@@ -86,7 +85,6 @@ def spring_pendulum(position, velocity, damping=0.0):
 PENDULUM = solvers(
     adaptive(1e-9, 1e-7),
     fixed("rk4", 2e-5, 1e-9),
-    fixed("gauss", 2e-3, 1e-7),
     fixed("ros2", 1e-4, 1e-4),
 )
 
@@ -182,7 +180,6 @@ def bars_error(y, t):
     adaptive(1e-7, 1e-5, EXPLICIT),
     adaptive(1e-8, 1e-5, STIFF),
     fixed("rk4", 2e-7, 1e-5),
-    fixed("gauss", 5e-3, 1e-5),
     fixed("ros2", 1e-3, 1e-3),
 )
 @pytest.mark.parametrize("kind", ["hinge", "bushing"])
