@@ -114,7 +114,7 @@ def _assemble(builder):
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": integrate.INTEGRATORS[scene.solver.integrator],
     }
-    rows, implicit = integrate.memory(scene.solver.integrator)
+    rows, implicit = integrate.memory(scene.solver.integrator, counts["n_x"])
     counts |= {
         "n_dense": rows * counts["n_x"],
         "n_jacobian": implicit * counts["n_x"] ** 2,

@@ -20,12 +20,12 @@ from .views import DATA, MODEL
 COUNT = 4
 MAX_ITERATIONS = 60
 
-# the iteration has done what it can when changes (of states of size 1) are at rounding, or no longer shrink near it
+# the iteration has done what it can when changes (of states of size 1) are at rounding or, near it, no longer shrink;
+# after some that did not shrink, what is left is the noise of the accelerations themselves
 ROUNDING = 1e-16
 STALLED = 1e-11
-
-# ... and diverges when a change is so much larger than the one before
-DIVERGES = 10.0
+NOISE = 1e-6
+STALLS = 3
 
 
 def _collocation(s):
@@ -72,6 +72,7 @@ def find_rates(m, d, s, h):
     """Rates of the stages of a step of h from s (s) on, into d.dense, by fixed-point iteration. Returns a status."""
     n = m.n_x
     before = math.inf
+    stalls = 0
 
     for iteration in range(MAX_ITERATIONS):
         change = 0.0
@@ -87,17 +88,20 @@ def find_rates(m, d, s, h):
 
             failure = evaluate(m, d, s + NODES[i] * h)
 
+            # an iteration that diverges ends so
             if failure != OK:
-                return failure
+                return failure if iteration == 0 else status(NO_STAGES, 0)
 
             for k in range(n):
                 change = max(change, abs(h * (d.x_rate[k] - d.dense[i * n + k])) / (1.0 + abs(d.x_before[k])))
                 d.dense[i * n + k] = d.x_rate[k]
 
-        if not change < DIVERGES * before:
+        if not change < math.inf:
             break
 
-        if change <= ROUNDING or (change < STALLED and change >= before):
+        stalls += 1 if change >= before else 0
+
+        if change <= ROUNDING or (stalls > 0 and change < STALLED) or (stalls >= STALLS and change < NOISE):
             return OK
 
         before = change

@@ -63,6 +63,9 @@ SAME_STEP = 1e-9
 EASY = 3.0
 EASY_AFTER = 10.0
 
+# of the states, for J
+INCREMENT = 1e-7
+
 GAMMA_ROS2 = 1.0 - 1.0 / math.sqrt(2.0)
 
 # rows of d.stage: f at the start, at the three stages; W; right-hand sides, real and complex
@@ -73,14 +76,16 @@ F0, F, W, RIGHT = 0, 1, 4, 7
 def find_jacobian(m, d, s):
     """J = df/dx by forward differences at x and s (s), by rows; needs f there in stage 0. Returns a status.
 
-    Increments as in Hairer and Wanner's code RADAU5.
+    Increments are in proportion to the error weights, which know the sizes of the states, and large enough for the rounding
+    of accelerations of parts of next to no inertia. Leaves unwidened weights.
     """
     n = m.n_x
     failure = OK
+    control.weigh(m, d)
 
     for column in range(n):
         x = d.x[column]
-        d.x[column] = x + math.sqrt(2.2e-16 * max(1e-5, abs(x)))
+        d.x[column] = x + INCREMENT / m.tolerance[0] * d.x_scale[column]
         change = d.x[column] - x
         failure = evaluate(m, d, s)
         d.x[column] = x
@@ -336,11 +341,6 @@ def radau(m, d, s, H, watch):
             store_rate(m, d, F0)
             known = True
 
-        weigh(m, d)
-
-        if not h > 0.0:
-            h = control.first_step(m, d, H, F0)
-
         if d.jacobian_known[0] == 0.0:
             failure = find_jacobian(m, d, s)
 
@@ -353,6 +353,11 @@ def radau(m, d, s, H, watch):
 
             if watch:
                 d.radius[0] = spectral_radius(m, d)
+
+        weigh(m, d)
+
+        if not h > 0.0:
+            h = control.first_step(m, d, H, F0)
 
         # equal steps to the end, so that their factors serve them all
         h = min(h, m.max_step[0])

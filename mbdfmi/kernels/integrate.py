@@ -30,10 +30,15 @@ INTEGRATORS = {
 }
 
 
-def memory(integrator: str) -> tuple[int, int]:
-    """What an integrator keeps of each state: (rows of `dense`, 1 if it needs a Jacobian)."""
+# `auto` stays explicit in models of more states: the Jacobian stands in every snapshot
+MOST_STATES = 500
+
+
+def memory(integrator: str, n_x: int) -> tuple[int, int]:
+    """What an integrator keeps of each of n_x states: (rows of `dense`, 1 if it needs a Jacobian)."""
     rows = {"auto": N_DENSE, "rk54": N_DENSE, "rk853": N_DENSE, "radau": 3, "gauss": gauss.COUNT}
-    return rows.get(integrator, 0), int(integrator in ("auto", "radau", "ros2"))
+    implicit = integrator in ("radau", "ros2") or (integrator == "auto" and n_x <= MOST_STATES)
+    return rows.get(integrator, 0), int(implicit)
 
 
 @inlined
@@ -103,13 +108,14 @@ def go_to_front(m, d, H, pair):
 @kernel
 def adaptive(m, d, H, onward):
     """By a pair or Radau's method, whichever is in use; `auto` changes between them. Returns (status, time reached)."""
-    watch = m.integrator == AUTO
+    auto = m.integrator == AUTO
+    watch = auto and m.n_jacobian > 0
     s = 0.0
     failure = OK
 
     if d.ahead[0] > 0.0:
         s = go_to_front(m, d, H, pair_in_use(d))
-    elif watch and d.method[0] != RADAU:
+    elif auto and d.method[0] != RADAU:
         d.method[0] = pair_for(d, H, onward)
 
     while s < H:

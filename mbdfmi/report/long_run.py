@@ -42,7 +42,7 @@ STEPPERS = {
     "rk853 fine": ("rk853", {"tolerance": 1e-11}),
     "radau": ("radau", {"tolerance": 1e-8}),
     "auto": ("auto", {"tolerance": 1e-8}),
-    "gauss6": ("gauss6", {"step": 0.2}),
+    "gauss": ("gauss", {"step": 0.2}),
     "ros2": ("ros2", {"step": 0.02}),
 }
 
