@@ -42,7 +42,7 @@ class Limits:
 
     levels: int = 100
     rounds: int = 7
-    longest: float = 4.0
+    longest: float = 2.0
     enough: float = 0.3
 
 
