@@ -13,6 +13,8 @@ from .problems import MOTION_SIZE, TOLERANCES, Problem
 from .spanning import inertia_matrix, motion_of, spanning_tree, start_of
 
 
+IMPLICIT = ("TrapezoidalIndex2", "GeneralizedAlpha")
+
 # which displacements and rotations a generic joint holds. Joints that close loops leave out what follows from the others;
 # of Bricard's six joints one condition does, which may be this one
 HELD = {
@@ -24,16 +26,18 @@ HELD = {
 }
 
 
-class ExudynExplicit:
-    """Trees of revolute and prismatic joints in minimal coordinates; free and pivoted bodies as Lie groups."""
+class ExudynMotion:
+    """Exudyn: explicit solvers on minimal coordinates or Lie groups, implicit ones on everything else."""
 
-    name = "Exudyn explicit"
+    name = "Exudyn"
     ours = False
     preparing = "loading Exudyn"
     how = (
-        "DOPRI5 at every tolerance and RK67 at every step, the best of them counting; ObjectKinematicTree for revolute and "
-        "prismatic joints, else NodeRigidBodyRotVecLG with Lie-group integration, pivots by eliminated coordinates; "
-        "output off; SolveSteps alone is timed"
+        "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for revolute and prismatic "
+        "joints, else NodeRigidBodyRotVecLG with Lie-group integration, pivots by eliminated coordinates; with loops or "
+        "stiff springs, TrapezoidalIndex2 and GeneralizedAlpha (spectral radius 0.9) at every step: bodies with Euler "
+        "parameters, joints by GenericJoint without what is redundant, Newton's method to 1e-10 relative; the best of all "
+        "counting; output off; SolveSteps alone is timed"
     )
 
     @classmethod
@@ -43,61 +47,37 @@ class ExudynExplicit:
 
     def settings(self, problem: Problem) -> list[Setting]:
         """From loose to tight."""
+        loops = not problem.scene and spanning_tree(problem.data)[1]
+        implicit = IMPLICIT if loops or problem.data["forces"] else ()
         found = []
 
         for level, (tolerance, step) in enumerate(zip(TOLERANCES, problem.steps)):
-            found.append(Setting(f"DOPRI5, tolerance {tolerance:.0e}", {"solver": "DOPRI5", "tolerance": tolerance}, level))
-            found.append(Setting(f"RK67, step {step:.3g}", {"solver": "RK67", "step": step}, level))
+            if not loops:
+                values = {"solver": "DOPRI5", "tolerance": tolerance}
+                found.append(Setting(f"DOPRI5, tolerance {tolerance:.0e}", values, level))
+
+            for solver in (*implicit, *(() if loops else ("RK67",))):
+                found.append(Setting(f"{solver}, step {step:.3g}", {"solver": solver, "step": step}, level))
 
         return found
 
-    def prepare(self, problem: Problem, setting: Setting):
+    def prepare(self, problem: Problem, setting: Setting) -> "_Run":
         """A run to be timed. Raises Cannot."""
         if problem.scene:
-            raise Cannot("not expressed here for Exudyn")
+            raise Cannot("rolling and points on curves are not expressed here for Exudyn")
 
-        tree, loops = spanning_tree(problem.data)
-        kinds = {joint.kind for joint in tree}
+        if setting.values["solver"] in IMPLICIT:
+            return RedundantRun(problem, setting.values)
 
-        if loops:
-            raise Cannot("loops: its explicit solvers take no joint constraints")
+        tree, _ = spanning_tree(problem.data)
 
-        if kinds <= {"revolute", "prismatic"}:
+        if {joint.kind for joint in tree} <= {"revolute", "prismatic"}:
             return TreeRun(problem, tree, setting.values)
 
         if len(tree) == 1:
             return LieGroupRun(problem, tree[0], setting.values)
 
         raise Cannot("spherical joints are not among those of ObjectKinematicTree")
-
-
-class ExudynImplicit:
-    """Every problem: rigid bodies in redundant coordinates, joints as constraints."""
-
-    name = "Exudyn implicit"
-    ours = False
-    preparing = "loading Exudyn"
-    how = (
-        "TrapezoidalIndex2 and GeneralizedAlpha (spectral radius 0.9), each at every step, the best of them counting; bodies with "
-        "Euler parameters, joints by GenericJoint, without what is redundant in the plane; Newton's method to 1e-10 "
-        "relative; output off; SolveSteps alone is timed"
-    )
-    version = ExudynExplicit.version
-
-    def settings(self, problem: Problem) -> list[Setting]:
-        """From loose to tight."""
-        return [
-            Setting(f"{solver}, step {step:.3g}", {"solver": solver, "step": step}, level)
-            for level, step in enumerate(problem.steps)
-            for solver in ("TrapezoidalIndex2", "GeneralizedAlpha")
-        ]
-
-    def prepare(self, problem: Problem, setting: Setting) -> "RedundantRun":
-        """A run to be timed. Raises Cannot."""
-        if problem.scene:
-            raise Cannot("not expressed here for Exudyn")
-
-        return RedundantRun(problem, setting.values)
 
 
 class _Run:
@@ -170,7 +150,7 @@ class _Run:
     @property
     def implicit(self) -> bool:
         """Whether its solver is."""
-        return self.values["solver"] in ("TrapezoidalIndex2", "GeneralizedAlpha")
+        return self.values["solver"] in IMPLICIT
 
     def _settings(self):
         exu = self.exu
@@ -195,7 +175,7 @@ class _Run:
 
         scheme.newton.relativeTolerance = 1e-10
         scheme.newton.absoluteTolerance = 1e-12
-        trapezoidal = self.values["solver"] == "TrapezoidalIndex2"
+        trapezoidal = self.values["solver"] == IMPLICIT[0]
         scheme.generalizedAlpha.useNewmark = trapezoidal
         scheme.generalizedAlpha.useIndex2Constraints = trapezoidal
         return settings
