@@ -93,7 +93,8 @@ def find_rates(m, d, s, h):
                 return failure if iteration == 0 else status(NO_STAGES, 0)
 
             for k in range(n):
-                change = max(change, abs(h * (d.x_rate[k] - d.dense[i * n + k])) / (1.0 + abs(d.x_before[k])))
+                moved = abs(h * (d.x_rate[k] - d.dense[i * n + k])) / (1.0 + abs(d.x_before[k]))
+                change = max(change, moved if moved < math.inf else math.inf)
                 d.dense[i * n + k] = d.x_rate[k]
 
         if not change < math.inf:

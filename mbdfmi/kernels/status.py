@@ -32,8 +32,8 @@ MESSAGES = {
     BAD_MASS: "the mass of %s is negative",
     BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
     BAD_SOLVER_SETTING: "the solver's step or tolerance is not positive",
-    NO_STAGES: "the implicit stages of a step were not found; the step is too long, or the motion stiff: make solver.step "
-    "smaller, or take integrator = \"radau\"",
+    NO_STAGES: "the implicit stages of a step were not found: the motion is stiff, or passes a singular position, or the step "
+    "is too long; make solver.step smaller, or take integrator = \"auto\"",
     STIFF: "the motion is stiff: the implicit method goes on from here",
     NOT_STIFF: "the motion is no longer stiff: the explicit method goes on from here",
     LOOP_OPEN: "the loop cannot be closed at %s",

@@ -6,14 +6,14 @@ integration alone and the motion at the reference times. What a contestant canno
 the report tells it.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Container, Iterable
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
 from .problems import Problem
 
-QUICK_LEVELS = 3
+QUICK_LEVELS = (1, 2, 3)
 AIMS = (1e-8, 1e-10)  # errors at which CPU times are compared
 
 
@@ -34,13 +34,13 @@ class Setting:
 class Limits:
     """How much time is spent.
 
-    levels : how many of a contestant's settings' are run, from the loosest on.
+    levels : of the settings that are run, 0 the loosest.
     rounds : of all contestants, at most.
     longest : s of CPU; a contestant whose run takes longer is not run at a tighter setting.
     enough : s of CPU; what has taken so much in all rounds together is not repeated.
     """
 
-    levels: int = 100
+    levels: Container[int] = range(100)
     rounds: int = 7
     longest: float = 2.0
     enough: float = 0.3
@@ -83,7 +83,7 @@ class Point:
 
 
 def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Callable[[str], None]) -> dict:
-    """name -> list of Points, of every contestant on a problem.
+    """name -> list of Points (as dicts), of every contestant on a problem.
 
     tell : called with what comes next.
     """
@@ -96,7 +96,7 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
         too_long = None
 
         for setting in contestant.settings(problem):
-            if setting.level >= limits.levels:
+            if setting.level not in limits.levels:
                 continue
 
             point = Point(setting.label, setting.values)
@@ -129,22 +129,27 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
             if point.spent < limits.enough:
                 point.take(run, problem)
 
-    return results
+    return {name: [asdict(point) for point in points] for name, points in results.items()}
 
 
-def cpu_at(points: list[Point], error: float) -> float | None:
-    """CPU seconds that an error costs, from the points by lines in log-log; None where no point is so exact.
-
-    Only points on the front count: those that no other beats in both. A point beyond the loosest is not made up:
-    whoever is more exact than asked for at the loosest setting is given that one's time.
-    """
+def front_of(points: list[dict]) -> list[dict]:
+    """Of points with `cpu_s` and `error`, those that no other beats in both, by time."""
     front = []
 
-    for point in sorted((p for p in points if p.cpu_s and p.error is not None), key=lambda p: p.cpu_s):
-        if not front or point.error < front[-1].error:
+    for point in sorted(points, key=lambda point: (point["cpu_s"], point["error"])):
+        if not front or point["error"] < front[-1]["error"]:
             front.append(point)
 
-    exact = [k for k, point in enumerate(front) if point.error <= error]
+    return front
+
+
+def cpu_at(points: list[dict], error: float) -> float | None:
+    """CPU seconds that an error costs, by lines in log-log along the front; None where no point is so exact.
+
+    Nothing is made up beyond the front: whoever is more exact than asked for at its fastest is given that time.
+    """
+    front = front_of([point for point in points if point["cpu_s"]])
+    exact = [k for k, point in enumerate(front) if point["error"] <= error]
 
     if not exact:
         return None
@@ -152,8 +157,8 @@ def cpu_at(points: list[Point], error: float) -> float | None:
     k = exact[0]
 
     if k == 0:
-        return front[0].cpu_s
+        return front[0]["cpu_s"]
 
-    x = np.log([max(point.error, 1e-17) for point in front[k - 1 : k + 1]])
-    y = np.log([point.cpu_s for point in front[k - 1 : k + 1]])
+    x = np.log([max(point["error"], 1e-17) for point in front[k - 1 : k + 1]])
+    y = np.log([point["cpu_s"] for point in front[k - 1 : k + 1]])
     return float(np.exp(y[0] + (np.log(error) - x[0]) / (x[1] - x[0]) * (y[1] - y[0])))

@@ -158,7 +158,6 @@ def motion_error(name, y, phi):
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-3, 1e-6),
-    fixed("gauss", 5e-3, 1e-6),
     fixed("ros2", 1e-3, 1e-2),
 )
 @pytest.mark.parametrize("name", MECHANISMS)

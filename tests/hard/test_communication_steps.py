@@ -132,7 +132,6 @@ def test_large_after_small_costs_no_million(check, solver, allowed):
 @solvers(
     adaptive(1e-10, 1e-6),
     fixed("rk4", 1e-3, 1e-6),
-    fixed("gauss", 5e-3, 1e-6),
     fixed("ros2", 1e-3, 1e-2),
 )
 @pytest.mark.parametrize("H", [1e-7, 1e-5])

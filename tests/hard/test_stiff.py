@@ -85,7 +85,7 @@ def spring_pendulum(position, velocity, damping=0.0):
 PENDULUM = solvers(
     adaptive(1e-9, 1e-7),
     fixed("rk4", 2e-5, 1e-9),
-    fixed("ros2", 1e-4, 1e-4),
+    fixed("ros2", 1e-4, 5e-4),
 )
 
 

@@ -1,35 +1,29 @@
 """How long one evaluation of the accelerations takes, beside other libraries, in one run.
 
 Serial chains and binary trees of revolute joints: kinematics, inertias, forces and the
-articulated-body algorithm, one thread; and the same by our other formulations. All contestants take turns, round by round, and each keeps
-its shortest time: a noisy machine then slows none more than another. The loop around our kernels is
-compiled.
+articulated-body algorithm, one thread; and the same by our other formulations. All contestants
+take turns, round by round, and each keeps its shortest time: a noisy machine then slows none more
+than another. The loop around our kernels is compiled.
 """
 
-import json
-import os
-import platform
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 import numpy as np
 from rich.console import Group
 from rich.table import Table
 
-from ..files import replacing
 from ..kernels import forces, rates, tree
-from ..kernels.language import kernel, source_hash
+from ..kernels.language import kernel
 from ..model import compile_scene
 from ..simulate import Instance
+from .machine import machine, own_versions
 from .mechanisms import chain_parents, links_of, scene_of, tree_parents
 from .peers import Missing, MuJoCo, Pinocchio, PinocchioNative
 
 MECHANISMS = {"chain": chain_parents, "tree": tree_parents}
-SIZES = (1, 2, 4, 8, 16, 32, 64, 128, 256)
+SIZES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
 QUICK_SIZES = (1, 8, 32)
 PEERS = (Pinocchio, PinocchioNative, MuJoCo)
 QUICK_PEERS = (Pinocchio, MuJoCo)
@@ -102,7 +96,7 @@ class Augmented(Ours):
 
 
 @dataclass(frozen=True)
-class BenchReport:
+class EvaluationCosts:
     """What was measured.
 
     machine, versions : by name.
@@ -139,113 +133,45 @@ class BenchReport:
             "largest_difference": self.largest_difference,
         }
 
-    def save(self, folder: Path) -> list[Path]:
-        """Writes bench.json and, where matplotlib is, bench.png into a folder; returns the paths."""
-        written = [Path(folder) / "bench.json"]
-
-        with replacing(written[0]) as path:
-            path.write_text(json.dumps(self.as_dict(), indent=2) + "\n", encoding="utf-8")
-
-        try:
-            figure = self._figure()
-        except ImportError:
-            return written
-
-        written.append(Path(folder) / "bench.png")
-
-        with replacing(written[1]) as path:
-            figure.savefig(path, format="png", dpi=150)
-
-        return written
-
-    def _figure(self):
-        from matplotlib.figure import Figure
-
-        mechanisms = {row["mechanism"]: None for row in self.rows}
-        figure = Figure(figsize=(5.5 * len(mechanisms), 4.5), layout="constrained")
-        axes = figure.subplots(1, len(mechanisms), sharey=True, squeeze=False)[0]
-
-        for ax, mechanism in zip(axes, mechanisms):
-            rows = [row for row in self.rows if row["mechanism"] == mechanism]
-            bodies = [row["bodies"] for row in rows]
-
-            for name in self.contestants:
-                times = [1e6 * row["seconds"][name] for row in rows]
-                ax.loglog(bodies, times, "o-", label=name, markersize=4)
-
-            ax.set(title=f"{mechanism} of revolute joints", xlabel="bodies")
-            ax.set_xticks(bodies, bodies, minor=False)
-            ax.minorticks_off()
-            ax.grid(alpha=0.3)
-
-        axes[0].set_ylabel("µs for the accelerations")
-        axes[0].legend()
-        return figure
-
     def __rich__(self):
         tables = [self._table(name) for name in {row["mechanism"]: None for row in self.rows}]
         lines = [f"{name}: {how}" for name, how in self.contestants.items()]
         lines += [f"{name}: left out, {why}" for name, why in self.missing.items()]
-        lines.append(", ".join(f"{name} {text}" for name, text in self.versions.items()))
-        lines.append(", ".join(self.machine.values()))
-
         lines.append(f"largest relative difference of the accelerations: {self.largest_difference:.1e}")
         return Group(*tables, *lines)
 
     def _table(self, mechanism):
-        table = Table(title=f"{mechanism}: µs for the accelerations (ratio: peer's time to ours)")
-        peers = [name for name in self.contestants if name != OURS]
+        table = Table(title=f"{mechanism}: µs for the accelerations")
+        names = list(self.contestants)
 
-        for heading in ("bodies", OURS, "of it ABA", "ns/body"):
+        for heading in ("bodies", *names, "of ours ABA"):
             table.add_column(heading, justify="right")
-
-        for name in peers:
-            table.add_column(name, justify="right")
-            table.add_column("ratio", justify="right")
 
         for row in self.rows:
             if row["mechanism"] == mechanism:
-                table.add_row(*_cells(row, peers))
+                times = [*(row["seconds"][name] for name in names), row["seconds_aba"]]
+                table.add_row(str(row["bodies"]), *(f"{1e6 * time:.3g}" for time in times))
 
-        exponents = self.exponents.get(mechanism)
-
-        if exponents:
-            table.add_section()
-            cells = (text for name in peers for text in (f"n^{exponents[name]:.2f}", ""))
-            table.add_row("growth", f"n^{exponents[OURS]:.2f}", "", "", *cells)
-
+        exponents = self.exponents[mechanism]
+        table.add_section()
+        table.add_row("growth", *(f"n^{exponents[name]:.2f}" for name in names), "")
         return table
 
 
-def _cells(row, peers):
-    ours = row["seconds"][OURS]
-    aba = row["seconds_aba"]
-    cells = [str(row["bodies"]), f"{1e6 * ours:.3f}", f"{1e6 * aba:.3f}"]
-    cells.append(f"{1e9 * ours / row['bodies']:.0f}")
-
-    for name in peers:
-        peer = row["seconds"][name]
-        cells += [f"{1e6 * peer:.3f}", f"{peer / ours:.2f}"]
-
-    return cells
-
-
-def run_bench(
+def evaluation_costs(
     quick: bool = False,
-    out: Path | None = None,
     progress: Callable[[float, str], None] | None = None,
-) -> BenchReport:
+) -> EvaluationCosts:
     """Measures our kernels and the peers that are installed.
 
     quick : few sizes and rounds, and no peer that takes minutes to compile: seconds in all.
-    out : folder for bench.json and bench.png, or None.
     progress : called with the fraction done and what comes next.
 
     The report prints itself with rich. Raises RuntimeError when a peer's accelerations differ.
     """
     progress = progress or (lambda fraction, text: None)
     peers, versions, missing = _peers_here(QUICK_PEERS if quick else PEERS, progress)
-    rounds, shortest = (3, 2e-4) if quick else (25, 2e-3)
+    rounds, shortest = (3, 2e-4) if quick else (15, 1e-3)
     peers = [Embedding, Augmented, *peers]
     contests = []
 
@@ -261,17 +187,14 @@ def run_bench(
             contest.round()
 
     rows = [contest.row() for contest in contests]
-    report = BenchReport(
-        machine=_machine(),
-        versions=_versions() | versions,
+    report = EvaluationCosts(
+        machine=machine(),
+        versions=own_versions() | versions,
         contestants={OURS: "a compiled loop"} | {peer.name: peer.how for peer in peers},
         missing=missing,
         rows=rows,
         exponents={mechanism: _exponents(rows, mechanism) for mechanism in MECHANISMS},
     )
-
-    if out:
-        report.save(out)
 
     progress(1.0, "done")
     return report
@@ -383,33 +306,3 @@ def _peers_here(candidates, progress):
             missing[peer.name] = str(why)
 
     return peers, versions, missing
-
-
-def _versions():
-    found = {}
-
-    for package in ("mbdfmi", "numba", "llvmlite", "numpy"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-
-    return found | {"python": platform.python_version(), "kernels": source_hash()}
-
-
-def _machine():
-    return {
-        "processor": _processor(),
-        "cores": f"{os.cpu_count()} cores",
-        "system": platform.platform(),
-        "date": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-
-
-def _processor():
-    """The processor's name."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(": ")[1] for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration, IndexError):
-        return platform.processor() or platform.machine()

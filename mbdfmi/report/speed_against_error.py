@@ -1,0 +1,243 @@
+"""The report: error against CPU time of our steppers and the peers, and what evaluations, steps and FMUs cost."""
+
+import json
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from rich.console import Group
+from rich.table import Table
+
+from ..files import replacing
+from ..scene import SceneError
+from ..scene.schema import Solver
+from .contests import AIMS, QUICK, Limits, contest, cpu_at
+from .evaluation import EvaluationCosts, evaluation_costs
+from .fmu_costs import export_costs, fmu_costs
+from .machine import machine, own_versions
+from .markdown import markdown
+from .peers import Missing
+from .peers_exudyn import ExudynMotion
+from .peers_mujoco import MuJoCoMotion
+from .peers_pinocchio import PinocchioMotion
+from .problems import PROBLEMS, Problem
+from .steppers import STEPPERS
+
+PEERS = (PinocchioMotion, MuJoCoMotion, ExudynMotion)
+QUICK_PEERS = (MuJoCoMotion, ExudynMotion)
+NAME = "speed_against_error"
+
+
+@dataclass(frozen=True)
+class SpeedReport:
+    """What was measured.
+
+    machine, versions, missing : by name.
+    contestants : name -> `how` it was used, and whether it is `ours`.
+    problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points (see
+        contests.Point).
+    at : error -> problem -> contestant -> CPU seconds, or None where it was not reached.
+    evaluation : cost of the accelerations.
+    fmu, export : see fmu_costs.
+    """
+
+    machine: dict[str, str]
+    versions: dict[str, str]
+    missing: dict[str, str]
+    contestants: dict[str, dict]
+    problems: list[dict]
+    at: dict[str, dict]
+    evaluation: EvaluationCosts
+    fmu: dict
+    export: dict
+
+    def as_dict(self) -> dict:
+        """All figures, for JSON."""
+        found = {field.name: getattr(self, field.name) for field in fields(self)}
+        return found | {"evaluation": self.evaluation.as_dict()}
+
+    def save(self, folder: str | os.PathLike) -> list[Path]:
+        """Writes the figures (JSON), the report (Markdown) and, where matplotlib is, its pictures (PNG) into a folder.
+
+        Returns the paths.
+        """
+        texts = {f"{NAME}.json": json.dumps(self.as_dict(), indent=1) + "\n"}
+        pictures = self._pictures()
+        texts[f"{NAME}.md"] = markdown(self, list(pictures))
+        written = []
+
+        for name, text in texts.items():
+            with replacing(Path(folder) / name) as path:
+                path.write_text(text, encoding="utf-8")
+
+            written.append(Path(folder) / name)
+
+        for name, figure in pictures.items():
+            with replacing(Path(folder) / name) as path:
+                figure.savefig(path, format="png", dpi=110)
+
+            written.append(Path(folder) / name)
+
+        return written
+
+    def _pictures(self):
+        try:
+            from .plots import error_figure, evaluation_figure
+
+            return {f"{NAME}.png": error_figure(self), "evaluation_cost.png": evaluation_figure(self.evaluation)}
+        except ImportError:
+            return {}
+
+    def standing(self, aim: float, problem: str) -> dict:
+        """Who needs how much CPU time for an error: `ours` and `peer`, the best (name, s) of each or None, `ratio` of
+        peer to ours or None, and `all`.
+        """
+        times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
+        best = {}
+
+        for ours in (True, False):
+            names = [name for name in times if self.contestants[name]["ours"] == ours]
+            best[ours] = min(((name, times[name]) for name in names), key=lambda pair: pair[1], default=None)
+
+        ratio = best[False][1] / best[True][1] if best[True] and best[False] else None
+        return {"ours": best[True], "peer": best[False], "ratio": ratio, "all": times}
+
+    def __rich__(self):
+        tables = [self._aim_table(aim) for aim in AIMS]
+        lines = [f"{name}: left out, {why}" for name, why in self.missing.items()]
+        lines.append(", ".join(f"{name} {text}" for name, text in self.versions.items()))
+        lines.append(", ".join(self.machine.values()))
+        return Group(self.evaluation, *tables, self._fmu_table(), *lines)
+
+    def _aim_table(self, aim):
+        peers = [name for name, contestant in self.contestants.items() if not contestant["ours"]]
+        table = Table(title=f"CPU time (ms) for an error of {aim:g}; ratio: best peer to ours")
+        table.add_column("problem")
+
+        for heading in ("ours", *peers, "ratio"):
+            table.add_column(heading, justify="right")
+
+        for problem in self.problems:
+            standing = self.standing(aim, problem["name"])
+            ours, ratio = standing["ours"], standing["ratio"]
+            table.add_row(
+                problem["title"],
+                f"{1e3 * ours[1]:.3g} ({ours[0]})" if ours else "-",
+                *(f"{1e3 * standing['all'][name]:.3g}" if name in standing["all"] else "-" for name in peers),
+                f"{ratio:.1f}" if ratio else "-",
+            )
+
+        return table
+
+    def _fmu_table(self):
+        table = Table(title="µs of CPU for a communication step of 1 ms")
+        table.add_column("scene")
+
+        for heading in ("in process", "fmi2DoStep", "added", "through fmpy", "FMU, KB"):
+            table.add_column(heading, justify="right")
+
+        for name, row in self.fmu.items():
+            times = (1e6 * row[key] for key in ("in_process", "fmu", "added", "fmpy"))
+            table.add_row(name, *(f"{time:.2f}" for time in times), f"{row['size'] / 1024:.0f}")
+
+        return table
+
+
+def run_report(
+    quick: bool = False,
+    names: Iterable[str] = (),
+    progress: Callable[[float, str], None] | None = None,
+) -> SpeedReport:
+    """Measures our steppers and the peers that are installed, in one run.
+
+    quick : few problems, settings and sizes, and no peer that takes minutes to compile.
+    names : of problems, instead of all (or of the quick ones).
+    progress : called with the fraction done and what comes next.
+
+    The report prints itself with rich. Raises ValueError for an unknown problem.
+    """
+    progress = progress or (lambda fraction, text: None)
+    problems = chosen_problems(names, quick)
+    evaluation = evaluation_costs(quick, lambda fraction, text: progress(0.25 * fraction, text))
+    steppers, missing = known_steppers()
+    peers, versions, without = _peers_here(QUICK_PEERS if quick else PEERS, lambda text: progress(0.25, text))
+    contestants = [*steppers, *peers]
+    rows = []
+
+    for k, problem in enumerate(problems):
+        fraction = 0.25 + 0.65 * k / len(problems)
+        results = contest(problem, contestants, QUICK if quick else Limits(), lambda text: progress(fraction, text))
+        rows.append(
+            {
+                "name": problem.name,
+                "title": problem.title,
+                "source": problem.data["source"],
+                "how_obtained": problem.data["how_obtained"],
+                "digits": problem.data["digits"],
+                "results": results,
+            }
+        )
+
+    report = SpeedReport(
+        machine=machine(),
+        versions=own_versions() | versions,
+        missing=missing | without,
+        contestants={it.name: {"how": it.how, "ours": it.ours} for it in contestants},
+        problems=rows,
+        at={f"{aim:g}": {row["name"]: _times_at(row, aim) for row in rows} for aim in AIMS},
+        evaluation=evaluation,
+        fmu=fmu_costs(quick, lambda text: progress(0.9, text)),
+        export=export_costs(quick, lambda text: progress(0.95, text)),
+    )
+
+    progress(1.0, "done")
+    return report
+
+
+def chosen_problems(names: Iterable[str], quick: bool) -> list[Problem]:
+    """Problems of these names; all, or all quick ones, for none. Raises ValueError."""
+    by_name = {problem.name: problem for problem in PROBLEMS}
+
+    for name in names:
+        if name not in by_name:
+            raise ValueError(f"no problem {name}; there are {', '.join(by_name)}")
+
+    if names:
+        return [by_name[name] for name in names]
+
+    return [problem for problem in PROBLEMS if problem.quick or not quick]
+
+
+def known_steppers() -> tuple[list, dict[str, str]]:
+    """Those of STEPPERS that a scene can name, and of the others why not."""
+    known, missing = [], {}
+
+    for stepper in STEPPERS:
+        try:
+            Solver.model_validate({"integrator": stepper.name} | ({"step": 0.01} if stepper.fixed else {}))
+            known.append(stepper)
+        except (SceneError, ValueError):
+            missing[stepper.name] = "this version has no such integrator"
+
+    return known, missing
+
+
+def _times_at(row, aim):
+    return {name: cpu_at(points, aim) for name, points in row["results"].items()}
+
+
+def _peers_here(candidates, tell):
+    """Peers that can run here, their versions, and why the others cannot."""
+    peers, versions, missing = [], {}, {}
+
+    for peer in candidates:
+        tell(peer.preparing)
+
+        try:
+            versions[peer.name] = peer.version()
+            peers.append(peer())
+        except Missing as why:
+            missing[peer.name] = str(why)
+
+    return peers, versions, missing
