@@ -6,7 +6,7 @@ drift of 0.1 J in 10 s. With equal windows the motion is a single pendulum's.
 
 import numpy as np
 import pytest
-from hard import adaptive, against, drift, fixed, formulations, problem, run, scene_of, solvers
+from hard import adaptive, against, drift, fixed, formulations, problem, run, scene_of, solvers, try_run
 
 
 def windows(n, formulation="auto"):
