@@ -46,7 +46,7 @@ class Limits:
     enough: float = 0.3
 
 
-QUICK = Limits(levels=QUICK_LEVELS, rounds=1, longest=0.5, enough=0.0)
+QUICK = Limits(levels=QUICK_LEVELS, rounds=2, longest=0.4, enough=0.2)
 
 
 @dataclass

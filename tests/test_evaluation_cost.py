@@ -1,14 +1,13 @@
-"""The benchmark runs with and without peers, all of the same physics. No time is judged."""
+"""The cost of an evaluation, with and without peers, all of the same physics. No time is judged."""
 
 import io
-import json
 import sys
 
 import numpy as np
 import pytest
 from rich.console import Console
 
-from mbdfmi.report import bench
+from mbdfmi.report import evaluation
 from mbdfmi.report.mechanisms import chain_parents, links_of, tree_parents
 from mbdfmi.report.peers import MuJoCo, Pinocchio
 
@@ -25,40 +24,39 @@ def without(monkeypatch, *modules):
         monkeypatch.setitem(sys.modules, module, None)
 
 
-def test_a_quick_run_writes_all_its_figures(tmp_path):
+def test_all_figures_are_there():
     seen = []
-    report = bench.run_bench(True, tmp_path, progress=lambda done, text: seen.append(done))
-    figures = json.loads((tmp_path / "bench.json").read_text())
+    costs = evaluation.evaluation_costs(True, progress=lambda done, text: seen.append(done))
+    figures = costs.as_dict()
 
     assert seen == sorted(seen) and seen[-1] == 1.0
-    assert figures == report.as_dict()
     assert {"processor", "cores", "system", "date"} <= set(figures["machine"])
     assert {"numba", "llvmlite", "numpy", "python", "kernels"} <= set(figures["versions"])
-    assert set(figures["exponents"]) == set(bench.MECHANISMS)
-    assert len(figures["rows"]) == len(bench.MECHANISMS) * len(bench.QUICK_SIZES)
+    assert set(figures["exponents"]) == set(evaluation.MECHANISMS)
+    assert len(figures["rows"]) == len(evaluation.MECHANISMS) * len(evaluation.QUICK_SIZES)
 
     for row in figures["rows"]:
         assert set(row["seconds"]) == set(figures["contestants"])
         assert 0.0 < row["seconds"]["mbdfmi"] < 1.0
 
-    text = printed(report)
+    text = printed(costs)
     assert "chain" in text and "tree" in text and "growth" in text
 
 
-def test_a_quick_run_without_peers_says_what_is_missing(monkeypatch, tmp_path):
+def test_a_run_without_peers_says_what_is_missing(monkeypatch):
     without(monkeypatch, "pinocchio", "mujoco")
-    monkeypatch.setattr(bench, "QUICK_SIZES", (8, 16))
-    report = bench.run_bench(quick=True)
+    monkeypatch.setattr(evaluation, "QUICK_SIZES", (8, 16))
+    costs = evaluation.evaluation_costs(quick=True)
 
-    assert set(report.contestants) == {"mbdfmi", "embedding", "augmented"}
-    assert set(report.missing) == {"Pinocchio", "MuJoCo"}
-    assert report.largest_difference < 1e-9
-    text = printed(report)
+    assert set(costs.contestants) == {"mbdfmi", "embedding", "augmented"}
+    assert set(costs.missing) == {"Pinocchio", "MuJoCo"}
+    assert costs.largest_difference < 1e-9
+    text = printed(costs)
     assert "pip install pin" in text and "pip install mujoco" in text
 
 
 def test_a_peer_of_other_physics_is_refused(monkeypatch):
-    class Wrong(bench.Ours):
+    class Wrong(evaluation.Ours):
         name, how, preparing, overhead = "Wrong", "", "", None
 
         @classmethod
@@ -68,10 +66,10 @@ def test_a_peer_of_other_physics_is_refused(monkeypatch):
         def accelerations(self):
             return 1.01 * super().accelerations()
 
-    monkeypatch.setattr(bench, "QUICK_PEERS", (Wrong,))
+    monkeypatch.setattr(evaluation, "QUICK_PEERS", (Wrong,))
 
     with pytest.raises(RuntimeError, match="Wrong.*not the same physics"):
-        bench.run_bench(quick=True)
+        evaluation.evaluation_costs(quick=True)
 
 
 @pytest.mark.parametrize("parents", [chain_parents, tree_parents])
@@ -80,7 +78,7 @@ def test_a_peer_of_other_physics_is_refused(monkeypatch):
 def test_peers_find_the_same_accelerations(parents, module, peer, n):
     pytest.importorskip(module)
     links = links_of(parents(n), seed=n)
-    expected = bench.Ours(links).accelerations()
+    expected = evaluation.Ours(links).accelerations()
 
     error = np.max(np.abs(peer(links).accelerations() - expected)) / np.max(np.abs(expected))
     assert error < 1e-9
