@@ -205,11 +205,19 @@ def test_check(command, fmu):
 
 
 def test_bench(command, tmp_path):
-    status, printed, message = command("bench", "--quick", "-o", tmp_path)
+    problem = ["--problem", "double_pendulum_bars"]
+    status, printed, message = command("bench", "--quick", *problem, "-o", tmp_path)
 
     assert status == 0, message
-    assert "bodies" in printed
-    assert json.loads((tmp_path / "bench.json").read_text())
+    assert "bodies" in printed and "double pendulum" in printed
+    assert json.loads((tmp_path / "speed_against_error.json").read_text())
+
+
+def test_bench_of_an_unknown_problem(command, tmp_path):
+    status, printed, message = command("bench", "--quick", "--problem", "top", "-o", tmp_path)
+
+    assert status == 1
+    assert "no problem top" in message and "heavy_top_bruls" in message
 
 
 def test_build_fmu(tmp_path):

@@ -159,7 +159,7 @@ def _fmu(report):
     lines = [
         "## What an FMU adds",
         "",
-        "CPU time of a communication step of 1 ms, rk54 at a tolerance of 1e-6, in compiled loops; `driven` is a scene "
+        "CPU time of a communication step of 1 ms by the default stepper at a tolerance of 1e-6, in compiled loops; `driven` is a scene "
         "without anything to integrate.",
         "",
         table(headings, rows),

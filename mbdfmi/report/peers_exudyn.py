@@ -36,7 +36,7 @@ class ExudynMotion:
         "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for revolute and prismatic "
         "joints, else NodeRigidBodyRotVecLG with Lie-group integration, pivots by eliminated coordinates; with loops or "
         "stiff springs, TrapezoidalIndex2 and GeneralizedAlpha (spectral radius 0.9) at every step: bodies with Euler "
-        "parameters, joints by GenericJoint without what is redundant, Newton's method to 1e-10 relative; the best of all "
+        "parameters, joints by GenericJoint without what is redundant, Newton's method to 1e-10 relative, EigenDense; the best of all "
         "counting; output off; SolveSteps alone is timed"
     )
 
@@ -111,7 +111,7 @@ class _Run:
         mbs.systemData.SetSystemState(self.start, configuration=initial)
         mbs.systemData.SetODE2Coordinates_tt(self.accelerations_at_start, configuration=initial)
         t, seconds, rows, self.steps = 0.0, 0.0, [], 0
-        scheme.initialStepSize = 0.0
+        scheme.initialStepSize = self.problem.steps[-1] if "tolerance" in self.values else 0.0
 
         for until in self.problem.times:
             scheme.startTime, scheme.endTime = t, until
@@ -136,7 +136,7 @@ class _Run:
             except (RuntimeError, ValueError) as error:
                 raise Cannot(f"its solver stops at {t:.4g} s: {str(error).strip().splitlines()[-1]}") from None
 
-            if not done:
+            if not (done and np.all(np.isfinite(mbs.systemData.GetODE2Coordinates()))):
                 raise Cannot(f"its solver stops after {t:.4g} s")
 
             mbs.systemData.SetSystemState(mbs.systemData.GetSystemState(), configuration=initial)
@@ -155,10 +155,10 @@ class _Run:
     def _settings(self):
         exu = self.exu
         settings = exu.SimulationSettings()
-        settings.solutionSettings.writeSolutionToFile = False
-        settings.solutionSettings.sensorsWriteFileHeader = False
-        settings.displayComputationTime = False
-        settings.displayStatistics = False
+        settings.solution.file.write = False
+        settings.solution.sensors.writeHeader = False
+        settings.show.computationTime = False
+        settings.show.statistics = False
         scheme = settings.timeIntegration
         scheme.verboseMode = 0
         scheme.stepInformation = 0
@@ -172,6 +172,9 @@ class _Run:
         else:
             scheme.automaticStepSize = False
             scheme.adaptiveStep = False
+
+        if self.implicit:
+            settings.linearSolver.solverType = exu.LinearSolverType.EigenDense
 
         scheme.newton.relativeTolerance = 1e-10
         scheme.newton.absoluteTolerance = 1e-12

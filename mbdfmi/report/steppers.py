@@ -46,13 +46,13 @@ class Stepper:
 
 # the one list of our steppers: a new integrator is a new line here
 STEPPERS = (
-    Stepper("rk4", "classical Runge-Kutta method of order 4, fixed step", fixed=True),
-    Stepper("rk54", "explicit Runge-Kutta pair of order 5(4), adaptive"),
+    Stepper("auto", "rk853, and radau while the motion is stiff"),
     Stepper("rk853", "explicit Runge-Kutta pair of order 8(5,3), adaptive"),
-    Stepper("radau", "implicit Radau IIA method of order 5, adaptive"),
+    Stepper("rk54", "explicit Runge-Kutta pair of order 5(4), adaptive"),
+    Stepper("radau", "Radau IIA method of order 5, implicit, adaptive"),
+    Stepper("rk4", "classical Runge-Kutta method of order 4, explicit, fixed step", fixed=True),
+    Stepper("gauss", "Gauss method of order 8, implicit and symmetric, fixed step", fixed=True),
     Stepper("ros2", "linearly implicit method of order 2, fixed step", fixed=True),
-    Stepper("gauss", "implicit symmetric Gauss method of order 6, fixed step", fixed=True),
-    Stepper("auto", "chosen by the solver itself"),
 )
 
 
