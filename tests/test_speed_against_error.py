@@ -1,5 +1,5 @@
-"""The report of speed against error: its problems, that all contestants run the same physics, and that it is written
-whole. No time is judged.
+"""The report of speed against error: its problems, that all contestants run the same physics, and that it is
+written whole. No time is judged.
 """
 
 import io
@@ -33,7 +33,8 @@ def short(problem, n=2):
     return replace(problem, until=float(problem.times[min(n, len(problem.times)) - 1]))
 
 
-# what our steppers reach in double precision, where that is less than nine digits: singular positions, an unstable axis
+# what our steppers reach in double precision, where that is less than nine digits: singular positions, an
+# unstable axis
 REACHED = {"A02_n_four_bar_N2": 1e-8, "dzhanibekov_jacobi": 1e-8}
 
 
@@ -56,7 +57,10 @@ def test_every_stepper_converges(name):
     problem = next(problem for problem in PROBLEMS if problem.name == "double_pendulum_bars")
     problem = short(problem)
     settings = stepper(name).settings(problem)
-    errors = [problem.error(stepper(name).prepare(problem, setting).run()[1]) for setting in (settings[0], settings[3])]
+    errors = [
+        problem.error(stepper(name).prepare(problem, setting).run()[1])
+        for setting in (settings[0], settings[3])
+    ]
     assert len(settings) == 5
     assert errors[1] < 1e-2 * errors[0]
 
@@ -80,7 +84,8 @@ def test_a_spanning_tree_starts_as_the_file_says(problem):
             np.testing.assert_allclose(row[7:10], body["v0"], atol=1e-14)
 
 
-# how far a peer is from the reference after two of its times: less where constraints are soft, or the order is 2
+# how far a peer is from the reference after two of its times: less where constraints are soft, or the order
+# is 2
 NEAR = {"MuJoCo": 2e-4, "Exudyn": 2e-3, "Pinocchio": 1e-5}
 
 
@@ -217,12 +222,20 @@ def test_the_report_is_written_whole(monkeypatch, tmp_path):
 
     for row in figures["problems"]:
         assert set(row["results"]) == set(figures["contestants"])
-        assert all(point["cpu_s"] or point["reason"] for points in row["results"].values() for point in points)
+        assert all(
+            point["cpu_s"] or point["reason"] for points in row["results"].values() for point in points
+        )
 
     assert figures["at"]["1e-08"]["four_bar"]["rk853"] > 0
     text = (tmp_path / "speed_against_error.md").read_text()
 
-    for words in ("error of 1e-08", "Error against CPU time", "could not be run", "What an FMU adds", "reference digits"):
+    for words in (
+        "error of 1e-08",
+        "Error against CPU time",
+        "could not be run",
+        "What an FMU adds",
+        "reference digits",
+    ):
         assert words in text
 
     for path in written:

@@ -1,9 +1,9 @@
 """Error against CPU time: all contestants on a problem, in turns.
 
 A contestant has `name`, `how` (it is used), `ours`, `settings(problem)`, from loose to tight, and
-`prepare(problem, setting)`, which gives a run: `run()` starts from t = 0 again and returns the CPU seconds of the
-integration alone and the motion at the reference times. What a contestant cannot do it says by raising `Cannot`, and
-the report tells it.
+`prepare(problem, setting)`, which gives a run: `run()` starts from t = 0 again and returns the CPU seconds of
+the integration alone and the motion at the reference times. What a contestant cannot do it says by raising
+`Cannot`, and the report tells it.
 """
 
 from collections.abc import Callable, Container, Iterable
@@ -23,7 +23,7 @@ class Cannot(Exception):
 
 @dataclass(frozen=True)
 class Setting:
-    """One setting of a contestant: its label, its values by the contestant's own names, and its level: 0 the loosest."""
+    """One setting of a contestant: its label, its values by its own names, its level, 0 the loosest."""
 
     label: str
     values: dict
@@ -146,7 +146,8 @@ def front_of(points: list[dict]) -> list[dict]:
 def cpu_at(points: list[dict], error: float) -> float | None:
     """CPU seconds that an error costs, by lines in log-log along the front; None where no point is so exact.
 
-    Nothing is made up beyond the front: whoever is more exact than asked for at its fastest is given that time.
+    Nothing is made up beyond the front: whoever is more exact than asked for at its fastest is given that
+    time.
     """
     front = front_of([point for point in points if point["cpu_s"]])
     exact = [k for k, point in enumerate(front) if point["error"] <= error]

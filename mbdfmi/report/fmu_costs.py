@@ -27,7 +27,7 @@ TIMED = ("double_pendulum_bars", "chain_bars_N7", "A04_bricard_square")
 
 
 def driven_scene() -> Scene:
-    """A scene whose one joint is driven: nothing to integrate, so all that a step of its FMU costs is the wrapper's."""
+    """A scene whose one joint is driven: with nothing to integrate, a step costs what is around it."""
     return Scene(
         name="driven",
         body={"wheel": {"mass": 1.0, "inertia": [1, 1, 1]}},
@@ -42,8 +42,8 @@ def moving_scene(name: str) -> Scene:
 
 
 def fmu_costs(quick: bool, tell: Callable[[str], None]) -> dict:
-    """Seconds of CPU of a step of STEP s: `in_process`, `fmu` (both in compiled loops), `fmpy` (called from Python),
-    and `added` = fmu - in_process, by scene; `size` in bytes.
+    """Seconds of CPU of a step of STEP s: `in_process`, `fmu` (both in compiled loops), `fmpy` (called from
+    Python), and `added` = fmu - in_process, by scene; `size` in bytes.
     """
     rows = {}
 
@@ -146,8 +146,8 @@ def _fmu_loop(do_step):
 
 
 def export_costs(quick: bool, tell: Callable[[str], None]) -> dict:
-    """Seconds of an export: `in_process` (kernels compiled, Python running), and by the command, CPU and wall time of
-    a `warm` one and, unless quick, of a `cold` one, whose cache is empty.
+    """Seconds of an export: `in_process` (kernels compiled, Python running), and by the command, CPU and wall
+    time of a `warm` one and, unless quick, of a `cold` one, whose cache is empty.
     """
     scene = moving_scene(TIMED[0])
     rows = {}

@@ -9,17 +9,19 @@ INTRODUCTION = """# Speed against error
 Written by `mbdfmi bench`; all raw figures stand in [speed_against_error.json](speed_against_error.json). All
 contestants run in one process on one core and take turns; the least CPU time of up to seven rounds counts.
 
-**CPU time** is that of the integration alone, from t = 0 over all reference times: reading, compiling and setting up
-are not in it. No contestant goes through Python for each step; ours and MuJoCo's, Pinocchio's and Exudyn's loops are
-compiled.
+**CPU time** is that of the integration alone, from t = 0 over all reference times: reading, compiling and
+setting up are not in it. No contestant goes through Python for each step; ours and MuJoCo's, Pinocchio's and
+Exudyn's loops are compiled.
 
-**Error** is that of the state: the largest absolute difference of any compared quantity (positions, velocities,
-angles, angular velocities) at any reference time from its reference digits, divided by the largest value of that
-quantity; differences of angles and Euler parameters are taken as they are. Energy is not looked at.
+**Error** is that of the state: the largest absolute difference of any compared quantity (positions,
+velocities, angles, angular velocities) at any reference time from its reference digits, divided by the
+largest value of that quantity; differences of angles and Euler parameters are taken as they are. Energy is
+not looked at.
 
-Adaptive contestants get five tolerances, 1e-4 to 1e-12 (absolute and relative alike), those of fixed step five steps,
-each a quarter of the one before. Times at a given error are read off by straight lines in the doubly logarithmic
-plot, along the settings that no other beats in both time and error; nothing is extrapolated.
+Adaptive contestants get five tolerances, 1e-4 to 1e-12 (absolute and relative alike), those of fixed step
+five steps, each a quarter of the one before. Times at a given error are read off by straight lines in the
+doubly logarithmic plot, along the settings that no other beats in both time and error; nothing is
+extrapolated.
 """
 
 
@@ -63,13 +65,15 @@ def _at(report, aim):
     ratios = [report.standing(aim, problem["name"])["ratio"] for problem in report.problems]
     ratios = [ratio for ratio in ratios if ratio]
     lines = [f"## CPU time for an error of {aim:g}", "", table(headings, rows), ""]
-    lines.append("A dash: this error was not reached at any setting run, or the problem cannot be told (see below).")
+    lines.append(
+        "A dash: this error was not reached at any setting run, or the problem cannot be told (see below)."
+    )
 
     if ratios and aim == AIMS[0]:
         reached = sum(ratio >= 5 for ratio in ratios)
         lines.append(
-            f"The goal, five times less CPU time than the best peer, is met on {reached} of the {len(ratios)} problems "
-            "in which a peer reaches this error."
+            f"The goal, five times less CPU time than the best peer, is met on {reached} of the "
+            f"{len(ratios)} problems in which a peer reaches this error."
         )
 
     return "\n".join(lines)
@@ -82,7 +86,8 @@ def _errors(report, pictures):
         lines += [
             "![Error of the state against CPU time](speed_against_error.png)",
             "",
-            "Lines: the settings that no other setting of the same contestant beats; dots: the others. Peers are dashed.",
+            "Lines: the settings that no other setting of the same contestant beats; dots: the others. "
+            "Peers are dashed.",
             "",
         ]
 
@@ -93,7 +98,12 @@ def _errors(report, pictures):
             cells = [f"{1e3 * p['cpu_s']:.3g} ms: {p['error']:.1e}" for p in points if p["cpu_s"]]
             rows += [f"- {name}: {'; '.join(cells)}"] if cells else []
 
-        lines += [f"<details><summary>{problem['title']}, all settings, from loose to tight</summary>", "", *rows, ""]
+        lines += [
+            f"<details><summary>{problem['title']}, all settings, from loose to tight</summary>",
+            "",
+            *rows,
+            "",
+        ]
         lines += ["</details>", ""]
 
     return "\n".join(lines)
@@ -145,13 +155,19 @@ def _evaluation(report, pictures):
         lines += [table([f"{mechanism}, bodies", *names], rows), ""]
 
     lines += [f"- {name}: {how}" for name, how in costs.contestants.items()]
-    lines.append(f"\nLargest relative difference of the accelerations from ours: {costs.largest_difference:.1e}.")
+    lines.append(
+        f"\nLargest relative difference of the accelerations from ours: {costs.largest_difference:.1e}."
+    )
     return "\n".join(lines)
 
 
 def _fmu(report):
     rows = [
-        [name, *(f"{1e6 * row[key]:.2f}" for key in ("in_process", "fmu", "added", "fmpy")), f"{row['size'] / 1024:.0f}"]
+        [
+            name,
+            *(f"{1e6 * row[key]:.2f}" for key in ("in_process", "fmu", "added", "fmpy")),
+            f"{row['size'] / 1024:.0f}",
+        ]
         for name, row in report.fmu.items()
     ]
     headings = ["scene", "in process, µs", "`fmi2DoStep`, µs", "added, µs", "through fmpy, µs", "FMU, KB"]
@@ -159,15 +175,18 @@ def _fmu(report):
     lines = [
         "## What an FMU adds",
         "",
-        "CPU time of a communication step of 1 ms by the default stepper at a tolerance of 1e-6, in compiled loops; `driven` is a scene "
-        "without anything to integrate.",
+        "CPU time of a communication step of 1 ms by the default stepper at a tolerance of 1e-6, in compiled "
+        "loops; `driven` is a scene without anything to integrate.",
         "",
         table(headings, rows),
         "",
         f"An export with the kernels compiled takes {export['in_process']['wall_s']:.2g} s from Python.",
     ]
 
-    for name, text in (("warm", "By the command, Python's start in it,"), ("cold", "The first, with an empty cache,")):
+    for name, text in (
+        ("warm", "By the command, Python's start in it,"),
+        ("cold", "The first, with an empty cache,"),
+    ):
         if name in export:
             lines.append(f"{text} {export[name]['wall_s']:.3g} s ({export[name]['cpu_s']:.3g} s of CPU).")
 

@@ -81,7 +81,7 @@ def links_of(parents: list[int], seed: int = 0) -> list[Link]:
 
 
 def scene_of(links: list[Link], formulation: str = "recursive") -> Scene:
-    """The scene: body0, body1 ... on joint0, joint1 ..., a torque input and the acceleration of each joint."""
+    """The scene: body0, body1 ... on joint0, joint1 ...; torques are inputs, accelerations outputs."""
     ground = {"marker": {}}
     bodies = {}
     joints = {}
@@ -107,5 +107,5 @@ def scene_of(links: list[Link], formulation: str = "recursive") -> Scene:
         }
 
     name = f"{len(links)} links"
-    solver = {"formulation": formulation}
+    solver = {"formulation": formulation, "integrator": "rk54"}  # which keeps no Jacobian
     return Scene(name=name, gravity=GRAVITY, solver=solver, ground=ground, body=bodies, joint=joints)

@@ -15,8 +15,8 @@ from .spanning import inertia_matrix, motion_of, spanning_tree, start_of
 
 IMPLICIT = ("TrapezoidalIndex2", "GeneralizedAlpha")
 
-# which displacements and rotations a generic joint holds. Joints that close loops leave out what follows from the others;
-# of Bricard's six joints one condition does, which may be this one
+# which displacements and rotations a generic joint holds. Joints that close loops leave out what follows from
+# the others; of Bricard's six joints one condition does, which may be this one
 HELD = {
     "revolute": [1, 1, 1, 1, 1, 0],
     "prismatic": [1, 1, 0, 1, 1, 1],
@@ -33,10 +33,11 @@ class ExudynMotion:
     ours = False
     preparing = "loading Exudyn"
     how = (
-        "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for revolute and prismatic "
-        "joints, else NodeRigidBodyRotVecLG with Lie-group integration, pivots by eliminated coordinates; with loops or "
-        "stiff springs, TrapezoidalIndex2 and GeneralizedAlpha (spectral radius 0.9) at every step: bodies with Euler "
-        "parameters, joints by GenericJoint without what is redundant, Newton's method to 1e-10 relative, EigenDense; the best of all "
+        "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for "
+        "revolute and prismatic joints, else NodeRigidBodyRotVecLG with Lie-group integration, pivots by "
+        "eliminated coordinates; with loops or stiff springs, TrapezoidalIndex2 and GeneralizedAlpha "
+        "(spectral radius 0.9) at every step: bodies with Euler parameters, joints by GenericJoint "
+        "without what is redundant, Newton's method to 1e-10 relative, EigenDense; the best of all "
         "counting; output off; SolveSteps alone is timed"
     )
 
@@ -134,13 +135,17 @@ class _Run:
                 last = solver.it.currentStepSize
                 solver.FinalizeSolver(mbs, self.settings)
             except (RuntimeError, ValueError) as error:
-                raise Cannot(f"its solver stops at {t:.4g} s: {str(error).strip().splitlines()[-1]}") from None
+                raise Cannot(
+                    f"its solver stops at {t:.4g} s: {str(error).strip().splitlines()[-1]}"
+                ) from None
 
             if not (done and np.all(np.isfinite(mbs.systemData.GetODE2Coordinates()))):
                 raise Cannot(f"its solver stops after {t:.4g} s")
 
             mbs.systemData.SetSystemState(mbs.systemData.GetSystemState(), configuration=initial)
-            mbs.systemData.SetODE2Coordinates_tt(mbs.systemData.GetODE2Coordinates_tt(), configuration=initial)
+            mbs.systemData.SetODE2Coordinates_tt(
+                mbs.systemData.GetODE2Coordinates_tt(), configuration=initial
+            )
             scheme.initialStepSize = last if "tolerance" in self.values else 0.0
             rows.append(self.observe())
             t = until
@@ -213,7 +218,10 @@ class TreeRun(_Run):
         n = len(q)
         node = self.mbs.AddNode(
             items.NodeGenericODE2(
-                referenceCoordinates=[0.0] * n, initialCoordinates=q, initialCoordinates_t=v, numberOfODE2Coordinates=n
+                referenceCoordinates=[0.0] * n,
+                initialCoordinates=q,
+                initialCoordinates_t=v,
+                numberOfODE2Coordinates=n,
             )
         )
         kinds = {"revolute": exu.JointType.RevoluteZ, "prismatic": exu.JointType.PrismaticZ}
@@ -262,7 +270,9 @@ class TreeRun(_Run):
     def observe(self) -> np.ndarray:
         """Motion (n_body, MOTION_SIZE) now."""
         states = self.mbs.systemData
-        return motion_of(self.problem.data, self.tree, states.GetODE2Coordinates(), states.GetODE2Coordinates_t())
+        return motion_of(
+            self.problem.data, self.tree, states.GetODE2Coordinates(), states.GetODE2Coordinates_t()
+        )
 
 
 class _Bodies(_Run):
@@ -278,7 +288,11 @@ class _Bodies(_Run):
                 np.array(self.mbs.GetObjectOutputBody(number, kind, localPosition=com))
                 for kind in (kinds.Position, kinds.RotationMatrix, kinds.Velocity, kinds.AngularVelocity)
             )
-            E = Rotation.from_matrix(A.reshape(3, 3)).as_quat() if np.all(np.isfinite(A)) else np.full(4, np.nan)
+            E = (
+                Rotation.from_matrix(A.reshape(3, 3)).as_quat()
+                if np.all(np.isfinite(A))
+                else np.full(4, np.nan)
+            )
             table[k] = [*r, *E, *v, *w]
 
         return table
@@ -296,7 +310,8 @@ class _Bodies(_Run):
     def add_pivoted_body(self, body: dict, node_type, pivot: np.ndarray) -> dict:
         """A body whose node stands at a fixed point (m, inertial).
 
-        As if its centre of mass were there, with the inertia about there, and its weight where the centre of mass is.
+        As if its centre of mass were there, with the inertia about there, and its weight where the centre of
+        mass is.
         """
         r, A = pose_of(body)
         com = A.T @ (r - pivot)
@@ -374,7 +389,9 @@ class RedundantRun(_Bodies):
 
         for force in data["forces"]:
             if force["type"] == "torque":
-                self.mbs.CreateTorque(itemNumber=numbers[force["body"]], loadVector=force["vector"], show=False)
+                self.mbs.CreateTorque(
+                    itemNumber=numbers[force["body"]], loadVector=force["vector"], show=False
+                )
                 continue
 
             points = []

@@ -11,8 +11,8 @@ from .problem_files import pose_of
 from .problems import MOTION_SIZE, Problem
 from .spanning import inertia_matrix, spanning_tree
 
-# a loop is closed by springs and dampers: the time constant, in steps, and the impedance. Which time constant is the best
-# differs from problem to problem; among 1 to 20, and damping ratios 1 to 2, it was one of these
+# a loop is closed by springs and dampers: the time constant, in steps, and the impedance. Which time constant
+# is the best differs from problem to problem; among 1 to 20, and damping ratios 1 to 2, it was one of these
 SOFT = (1.2, 4.0, 8.0)
 SOLIMP = [0.9999, 0.9999, 0.001, 0.5, 2.0]
 
@@ -24,9 +24,9 @@ class MuJoCoMotion:
     ours = False
     preparing = "loading MuJoCo"
     how = (
-        "RK4, mj_step for all steps between two reference times in one call; contacts and all else that the problem does "
-        "not need off; loops by equality constraints (solref of 1.2, 4 and 8 steps, the best of them counting; "
-        "solimp 0.9999), Newton's method to 1e-15; spring-dampers by tendons"
+        "RK4, mj_step for all steps between two reference times in one call; contacts and all else that "
+        "the problem does not need off; loops by equality constraints (solref of 1.2, 4 and 8 steps, the "
+        "best of them counting; solimp 0.9999), Newton's method to 1e-15; spring-dampers by tendons"
     )
 
     @classmethod
@@ -38,7 +38,9 @@ class MuJoCoMotion:
         """From loose to tight; where loops close, each step with every stiffness of the constraints."""
         loops = not problem.scene and spanning_tree(problem.data)[1]
         return [
-            Setting(f"step {h:.3g}" + f", solref {soft:g} steps" * bool(loops), {"step": h, "soft": soft}, level)
+            Setting(
+                f"step {h:.3g}" + f", solref {soft:g} steps" * bool(loops), {"step": h, "soft": soft}, level
+            )
             for level, h in enumerate(problem.steps)
             for soft in (SOFT if loops else SOFT[:1])
         ]
@@ -176,7 +178,9 @@ class MuJoCoRun:
             for side in "ij":
                 name = force[f"body_{side}"]
                 r, A = poses[name]
-                made[name].add_site(name=f"spring {k} {side}", pos=A.T @ (np.array(force[f"point_{side}"]) - r))
+                made[name].add_site(
+                    name=f"spring {k} {side}", pos=A.T @ (np.array(force[f"point_{side}"]) - r)
+                )
                 tendon.wrap_site(f"spring {k} {side}")
 
     def _start(self):

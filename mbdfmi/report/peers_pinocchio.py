@@ -23,9 +23,9 @@ class PinocchioMotion:
     ours = False
     preparing = "compiling Pinocchio's headers (minutes, once)"
     how = (
-        "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); Boost's adaptive "
-        f"integrators {', '.join(METHODS)}, each at every tolerance, the best of them counting; quaternions as "
-        "coordinates; spring-dampers by external forces"
+        "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); Boost's "
+        f"adaptive integrators {', '.join(METHODS)}, each at every tolerance, the best of them counting; "
+        "quaternions as coordinates; spring-dampers by external forces"
     )
 
     @classmethod
@@ -60,7 +60,8 @@ class PinocchioRun:
 
         if loops:
             raise Cannot(
-                "loops: aba knows none, and its constraintDynamics leaves what a step drifts from the constraints to the user"
+                "loops: aba knows none, and its constraintDynamics leaves to the user what a step drifts "
+                "from the constraints"
             )
 
         if any(force["type"] != "spring_damper" for force in problem.data["forces"]):
@@ -92,7 +93,9 @@ class PinocchioRun:
         if self.evaluations < 0 or not np.all(np.isfinite(rows)):
             raise Cannot("the integrator gives up")
 
-        return seconds, np.array([motion_of(self.problem.data, self.tree, row[: self.nq], row[self.nq :]) for row in rows])
+        return seconds, np.array(
+            [motion_of(self.problem.data, self.tree, row[: self.nq], row[self.nq :]) for row in rows]
+        )
 
     @property
     def effort(self) -> dict[str, int]:
@@ -114,8 +117,9 @@ class PinocchioRun:
             I = inertia_matrix(given[joint.child])
             J = turned.T @ body_A
             self.library.motion_add(
-                self.handle, parent, KINDS.index(joint.kind), A0.T @ (r - r0), np.ascontiguousarray((A0.T @ A).T),
-                given[joint.child]["mass"], turned.T @ (body_r - at), J @ I @ J.T,
+                self.handle, parent, KINDS.index(joint.kind), A0.T @ (r - r0),
+                np.ascontiguousarray((A0.T @ A).T), given[joint.child]["mass"], turned.T @ (body_r - at),
+                J @ I @ J.T,
             )  # fmt: skip
             frames[joint.child] = (k + 1, at, turned)
 

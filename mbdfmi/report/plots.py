@@ -16,8 +16,8 @@ PEER_STYLES = (("#d7301f", "o"), ("#fd8d3c", "s"), ("#8c510a", "D"), ("#dd1c77",
 
 
 def error_figure(report):
-    """Error of the state against CPU time, a panel for each problem: the front of each contestant's settings as a line,
-    its other settings as dots.
+    """Error of the state against CPU time, a panel for each problem: the front of each contestant's settings
+    as a line, its other settings as dots.
     """
     from matplotlib.figure import Figure
 
@@ -65,7 +65,9 @@ def error_figure(report):
         ax.set_xlabel("CPU time, ms", fontsize=8)
 
     order = [name for name in report.contestants if name in drawn]
-    figure.legend([drawn[name] for name in order], order, loc="outside lower center", ncols=min(6, len(order)))
+    figure.legend(
+        [drawn[name] for name in order], order, loc="outside lower center", ncols=min(6, len(order))
+    )
     return figure
 
 
@@ -77,7 +79,7 @@ def _styles(report):
 
 
 def evaluation_figure(report):
-    """Time of an evaluation of the accelerations against the number of bodies, a panel for each kind of mechanism."""
+    """Time of an evaluation of the accelerations against the number of bodies, a panel for each mechanism."""
     from matplotlib.figure import Figure
 
     mechanisms = {row["mechanism"]: None for row in report.rows}

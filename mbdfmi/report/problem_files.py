@@ -1,8 +1,9 @@
 """The problem files of `reference/`, and scenes of what they describe.
 
-Their conventions: SI; `inertia` = [xx, yy, zz, xy, xz, yz] about the centre of mass in body axes; `r0` centre of
-mass, `q0` its orientation, scalar part FIRST; `v0`, `w0` in inertial axes; a joint's `point` and `axis` inertial, at
-t = 0. `quantities` and `values`, one row a time, are the reference digits; `how_obtained` says where from.
+Their conventions: SI; `inertia` = [xx, yy, zz, xy, xz, yz] about the centre of mass in body axes; `r0` centre
+of mass, `q0` its orientation, scalar part FIRST; `v0`, `w0` in inertial axes; a joint's `point` and `axis`
+inertial, at t = 0. `quantities` and `values`, one row a time, are the reference digits; `how_obtained` says
+where from.
 """
 
 import json
@@ -17,7 +18,7 @@ REFERENCE = Path(__file__).parent / "reference"
 
 
 def problem_file(name: str) -> dict:
-    """The problem file of a name; beside what it holds, by quantity, `column` (n,), and the times `t` (n,), s."""
+    """A problem file; beside what it holds, `column`: quantity -> (n,), and the times `t` (n,), s."""
     data = json.loads((REFERENCE / f"{name}.json").read_text(encoding="utf-8"))
     data |= data.get("reference", {})
     data["column"] = dict(zip(data["quantities"], np.array(data["values"], float).T))
@@ -26,7 +27,7 @@ def problem_file(name: str) -> dict:
 
 
 def pose_of(body: dict) -> tuple[np.ndarray, np.ndarray]:
-    """Centre of mass (3,) m and axes (3, 3), columns in inertial axes, of a body of a problem file at t = 0."""
+    """Centre of mass (3,) m and axes (3, 3), inertial, in columns, of a problem file's body at t = 0."""
     w, x, y, z = body.get("q0", [1, 0, 0, 0])
     return np.array(body.get("r0", [0, 0, 0]), float), Rotation.from_quat([x, y, z, w]).as_matrix()
 
@@ -34,9 +35,9 @@ def pose_of(body: dict) -> tuple[np.ndarray, np.ndarray]:
 def scene_of(data: dict, body_output=(), **extra) -> dict:
     """The scene of a problem's bodies, joints, spring-dampers, torques, gravity and start velocities.
 
-    Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at zero. Bodies
-    without joints get free ones. body_output: outputs of every body. `extra`: further keys of the scene; tables are
-    merged.
+    Joint markers stand at the joint's point with z along its axis, so that all joint coordinates start at
+    zero. Bodies without joints get free ones. body_output: outputs of every body. `extra`: further keys of
+    the scene; tables are merged.
     """
     bodies = {body["name"]: _Body(body) for body in data["bodies"]}
     bodies["ground"] = _Body({"name": "ground"})
@@ -64,7 +65,10 @@ def scene_of(data: dict, body_output=(), **extra) -> dict:
             forces[f"torque {k + 1}"] = {"load": {"moment": force["vector"]}, "on": name}
             continue
 
-        ends = [bodies[force[f"body_{side}"]].marker(f"f{k + 1}", force[f"point_{side}"], np.eye(3)) for side in "ij"]
+        ends = [
+            bodies[force[f"body_{side}"]].marker(f"f{k + 1}", force[f"point_{side}"], np.eye(3))
+            for side in "ij"
+        ]
         spring = {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]}
         forces[f"spring {k + 1}"] = {"spring_damper": spring, "between": ends}
 

@@ -1,8 +1,10 @@
-"""The problems of the report: what moves, for how long, and which quantities are compared with reference digits.
+"""The problems of the report: what moves, for how long, and which quantities are compared with reference
+digits.
 
-A problem is told to every contestant in the words of its file (see `problem_files`), and every contestant answers in
-the same words: the motion of all bodies' centres of mass at the reference times (`Motion`). So one function finds the
-compared quantities for all of them. Problems that those words cannot tell (`scene`) are run by our own steppers.
+A problem is told to every contestant in the words of its file (see `problem_files`), and every contestant
+answers in the same words: the motion of all bodies' centres of mass at the reference times (`Motion`). So one
+function finds the compared quantities for all of them. Problems that those words cannot tell (`scene`) are
+run by our own steppers.
 """
 
 from collections.abc import Callable
@@ -14,7 +16,8 @@ from scipy.spatial.transform import Rotation
 
 from .problem_files import pose_of, problem_file, scene_of
 
-# of each body at each time: position (m), Euler parameters (scalar LAST), velocity (m/s), angular velocity (rad/s)
+# of each body at each time: position (m), Euler parameters (scalar LAST), velocity (m/s), angular velocity
+# (rad/s)
 MOTION_SIZE = 13
 BODY_OUTPUT = ("position", "euler_parameters", "velocity", "omega")
 
@@ -23,7 +26,7 @@ STEP_PARTS = (1, 1 / 4, 1 / 16, 1 / 64, 1 / 256)
 
 
 class Motion:
-    """The motion of a problem's bodies: table (n_t, n_body, MOTION_SIZE), inertial axes, of centres of mass."""
+    """Motion of a problem's bodies: table (n_t, n_body, MOTION_SIZE), of centres of mass, inertial axes."""
 
     def __init__(self, data: dict, table: np.ndarray):
         self.bodies = {body["name"]: k for k, body in enumerate(data["bodies"])}
@@ -119,7 +122,7 @@ class Problem:
         return [part * self.step for part in STEP_PARTS]
 
     def scene_tables(self, solver: dict) -> dict:
-        """Our scene, as a dict, with these solver settings; its outputs are BODY_OUTPUT of every body in order."""
+        """Our scene, as a dict, with these solver settings; outputs: BODY_OUTPUT of every body in order."""
         if not self.scene:
             return scene_of(self.data, BODY_OUTPUT, solver=solver)
 
@@ -128,8 +131,8 @@ class Problem:
     def error(self, table: np.ndarray) -> float:
         """The error of a motion (n_t, n_body, MOTION_SIZE).
 
-        The largest difference of any compared quantity at any reference time, in the largest reference value of that
-        quantity; of Euler parameters (both signs are one orientation) and of angles, in 1.
+        The largest difference of any compared quantity at any reference time, in the largest reference value
+        of that quantity; of Euler parameters (both signs are one orientation) and of angles, in 1.
         """
         wanted = self.data["column"]
         found = self.observe(Motion(self.data, table))
@@ -152,7 +155,19 @@ class Problem:
 
 # quantities that are known but for full turns
 ANGLES = {"theta1", "theta2", "theta3", "theta4", "theta5", "theta6", "theta7", "theta8", "theta9", "theta10"}
-ANGLES |= {"beta", "theta", "gamma", "phi", "delta", "omega", "epsilon", "shaft_angle", "crank", "coupler", "rocker"}
+ANGLES |= {
+    "beta",
+    "theta",
+    "gamma",
+    "phi",
+    "delta",
+    "omega",
+    "epsilon",
+    "shaft_angle",
+    "crank",
+    "coupler",
+    "rocker",
+}
 
 
 # what is compared
@@ -204,12 +219,18 @@ def _many_four_bars(motion):
 
 
 def _andrews(motion):
-    """Angles of the bodies from those of the mechanism, and back: beta, theta; gamma; delta, phi; epsilon, omega."""
+    """Angles of the mechanism from those of its bodies, and their rates."""
     found = {}
 
     for suffix, of in (("", motion.angle), ("_dot", lambda body: motion.omega(body)[2])):
         beta, gamma, delta, epsilon = (of(name) for name in ("K1_OF", "K3_BDE", "K5_AG", "K7_AH"))
-        angles = {"beta": beta, "theta": of("K2_FE") - beta, "gamma": gamma, "delta": delta, "epsilon": epsilon}
+        angles = {
+            "beta": beta,
+            "theta": of("K2_FE") - beta,
+            "gamma": gamma,
+            "delta": delta,
+            "epsilon": epsilon,
+        }
         angles |= {"phi": of("K4_EG") - delta, "omega": of("K6_HE") - epsilon}
         found |= {f"{name}{suffix}": angle for name, angle in angles.items()}
 
@@ -249,16 +270,17 @@ def _bead(motion):
 
 def _with_thickness(data):
     """Bars that are thin by definition get a moment about their axis, about which they do not turn."""
-    bodies = [body | {"inertia": [J or 1e-3 for J in body["inertia"][:3]] + [0, 0, 0]} for body in data["bodies"]]
+    bodies = [
+        body | {"inertia": [J or 1e-3 for J in body["inertia"][:3]] + [0, 0, 0]} for body in data["bodies"]
+    ]
     return {"bodies": bodies}
 
 
 def _with_a_ball(data):
-    """The point becomes a ball of J = 0.1 kg m2 that does not spin, in a weight greater by 1 + J / (m l^2)."""
+    """The point becomes a ball of J = 0.1 kg m2 that does not spin, in 1 + J / (m l^2) times the weight."""
     body = data["bodies"][0] | {"inertia": [0.1, 0.1, 0.1, 0, 0, 0], "v0": [0, 2, 0], "w0": [0, 0, 2]}
     joint = {"type": "spherical", "body_i": "ground", "body_j": body["name"], "point": [0, 0, 0]}
     return {"bodies": [body], "joints": [joint], "forces": [], "gravity": [0, 0, -1.1 * 9.81]}
-
 
 
 # scenes that the files' words cannot tell
@@ -308,15 +330,17 @@ PROBLEMS = (
             change=_with_a_ball),
     Problem("heavy_top_bruls", "heavy top, 2 s", _pose("top", "position", "quaternion", "omega_body"), 2e-3,
             quick=True),
-    Problem("steady_precession_cone_top", "cone in steady precession, 2 s", _pose("cone", "position", "quaternion"), 2e-3),
+    Problem("steady_precession_cone_top", "cone in steady precession, 2 s",
+            _pose("cone", "position", "quaternion"), 2e-3),
     Problem("torque_free_axisymmetric", "tumbling symmetric body, 100 s", _pose("body", "quaternion"), 0.05),
-    Problem("dzhanibekov_jacobi", "body about its middle axis, 100 s", _pose("body", "quaternion", "omega_body"), 0.1,
-            sharper=1e-2),
+    Problem("dzhanibekov_jacobi", "body about its middle axis, 100 s",
+            _pose("body", "quaternion", "omega_body"), 0.1, sharper=1e-2),
     Problem("gimbal_lock_pass", "ball through gimbal lock, 6.3 s", _pose("body", "quaternion"), 0.1),
     Problem("four_bar", "four-bar, 5 s", _four_bar, 0.01, quick=True),
     Problem("A02_n_four_bar_N1", "A02: four-bar with singular positions, 10 s", _many_four_bars, 0.01, 10.0,
             _with_thickness),
-    Problem("A02_n_four_bar_N2", "A02: two four-bars in a row, 10 s", _many_four_bars, 0.01, 10.0, _with_thickness),
+    Problem("A02_n_four_bar_N2", "A02: two four-bars in a row, 10 s", _many_four_bars, 0.01, 10.0,
+            _with_thickness),
     Problem("A03_andrews_iftomm", "A03: Andrews' mechanism, 0.05 s", _andrews, 2e-4),
     Problem("ivp_andrews", "Andrews' mechanism of the IVP test set, 0.05 s", _andrews, 2e-4),
     Problem("A04_bricard_square", "A04: Bricard's mechanism, 10 s", _bricard, 0.01),

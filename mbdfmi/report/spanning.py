@@ -19,8 +19,8 @@ class TreeJoint:
 
     parent, child : bodies, "ground" too.  kind : revolute, prismatic, spherical or free.
     point (3,) m, axes (3, 3) : at t = 0, inertial; z, the last column, along the joint's axis.
-    omega (3,) rad/s, velocity (3,) m/s : of the child against the parent at t = 0, inertial axes; the velocity is that
-        of a free body's centre of mass.
+    omega (3,) rad/s, velocity (3,) m/s : of the child against the parent at t = 0, inertial axes; the
+        velocity is that of a free body's centre of mass.
     """
 
     parent: str
@@ -75,9 +75,9 @@ def inertia_matrix(body: dict) -> np.ndarray:
 def start_of(data: dict, tree: list[TreeJoint]) -> tuple[np.ndarray, np.ndarray]:
     """Joint coordinates and velocities at t = 0, in the tree's order.
 
-    A revolute or prismatic joint has one, 0 at the start. A spherical one has Euler parameters, scalar part last, of
-    the child's joint axes in the parent's, and the angular velocity in the child's. A free one has position (m) and
-    Euler parameters of the body, and velocity and angular velocity in body axes.
+    A revolute or prismatic joint has one, 0 at the start. A spherical one has Euler parameters, scalar part
+    last, of the child's joint axes in the parent's, and the angular velocity in the child's. A free one has
+    position (m) and Euler parameters of the body, and velocity and angular velocity in body axes.
     """
     q, v = [], []
 
@@ -99,8 +99,8 @@ def start_of(data: dict, tree: list[TreeJoint]) -> tuple[np.ndarray, np.ndarray]
 def motion_of(data: dict, tree: list[TreeJoint], q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Motion (n_body, MOTION_SIZE) of all bodies for joint coordinates and velocities as in `start_of`.
 
-    Each body is told by how it has moved since t = 0, x = R x0 + d, and by its angular velocity w and the velocity u
-    of its point at the origin.
+    Each body is told by how it has moved since t = 0, x = R x0 + d, and by its angular velocity w and the
+    velocity u of its point at the origin.
     """
     moved = {"ground": (np.eye(3), np.zeros(3), np.zeros(3), np.zeros(3))}
     rows = {body["name"]: k for k, body in enumerate(data["bodies"])}

@@ -1,4 +1,4 @@
-"""The report: error against CPU time of our steppers and the peers, and what evaluations, steps and FMUs cost."""
+"""The report: error against CPU time, of our steppers and of peers, and what evaluations and FMUs cost."""
 
 import json
 import os
@@ -35,8 +35,8 @@ class SpeedReport:
 
     machine, versions, missing : by name.
     contestants : name -> `how` it was used, and whether it is `ours`.
-    problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points (see
-        contests.Point).
+    problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points
+        (see contests.Point).
     at : error -> problem -> contestant -> CPU seconds, or None where it was not reached.
     evaluation : cost of the accelerations.
     fmu, export : see fmu_costs.
@@ -58,7 +58,8 @@ class SpeedReport:
         return found | {"evaluation": self.evaluation.as_dict()}
 
     def save(self, folder: str | os.PathLike) -> list[Path]:
-        """Writes the figures (JSON), the report (Markdown) and, where matplotlib is, its pictures (PNG) into a folder.
+        """Writes the figures (JSON), the report (Markdown) and, where matplotlib is, its pictures (PNG) into
+        a folder.
 
         Returns the paths.
         """
@@ -85,13 +86,16 @@ class SpeedReport:
         try:
             from .plots import error_figure, evaluation_figure
 
-            return {f"{NAME}.png": error_figure(self), "evaluation_cost.png": evaluation_figure(self.evaluation)}
+            return {
+                f"{NAME}.png": error_figure(self),
+                "evaluation_cost.png": evaluation_figure(self.evaluation),
+            }
         except ImportError:
             return {}
 
     def standing(self, aim: float, problem: str) -> dict:
-        """Who needs how much CPU time for an error: `ours` and `peer`, the best (name, s) of each or None, `ratio` of
-        peer to ours or None, and `all`.
+        """Who needs how much CPU time for an error: `ours` and `peer`, the best (name, s) of each or None,
+        `ratio` of peer to ours or None, and `all`.
         """
         times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
         best = {}
@@ -167,7 +171,9 @@ def run_report(
 
     for k, problem in enumerate(problems):
         fraction = 0.25 + 0.65 * k / len(problems)
-        results = contest(problem, contestants, QUICK if quick else Limits(), lambda text: progress(fraction, text))
+        results = contest(
+            problem, contestants, QUICK if quick else Limits(), lambda text: progress(fraction, text)
+        )
         rows.append(
             {
                 "name": problem.name,

@@ -81,7 +81,11 @@ class OurRun:
     def effort(self) -> dict[str, int]:
         """Steps taken, steps rejected and evaluations of the accelerations of the last run."""
         d = self.instance.d
-        return {"steps": int(d.steps[0]), "rejected": int(d.rejected[0]), "evaluations": int(d.evaluations[0])}
+        return {
+            "steps": int(d.steps[0]),
+            "rejected": int(d.rejected[0]),
+            "evaluations": int(d.evaluations[0]),
+        }
 
 
 @kernel

@@ -1,8 +1,8 @@
 """Makes the reference digits of `chain_bars_N7` and `four_bar`: `python -m mbdfmi.report.reference.derive`.
 
 Nothing of the kernels is used: Lagrange's equations in minimal coordinates, in extended precision (numpy's
-longdouble, 64 bits of mantissa on x86), by extrapolation of the modified midpoint rule (Hairer, Norsett, Wanner,
-Solving ODEs I, section II.9). Two runs of different order and step tell how many digits are right.
+longdouble, 64 bits of mantissa on x86), by extrapolation of the modified midpoint rule (Hairer, Norsett,
+Wanner, Solving ODEs I, section II.9). Two runs of different order and step tell how many digits are right.
 """
 
 import json
@@ -114,7 +114,9 @@ def chain_file(n, angle, times):
         }
         for k in range(n)
     ]
-    joints = [revolute(f"bar{k}" if k else "ground", f"bar{k + 1}", (k * direction).tolist()) for k in range(n)]
+    joints = [
+        revolute(f"bar{k}" if k else "ground", f"bar{k + 1}", (k * direction).tolist()) for k in range(n)
+    ]
     return {
         "id": f"chain_bars_N{n}",
         "title": f"Chain of {n} uniform 1 m bars with revolute joints, released straight and aslant",
