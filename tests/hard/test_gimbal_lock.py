@@ -1,8 +1,8 @@
 """Gimbal lock: pitch passes 90 degrees, where yaw and roll cannot be told apart.
 
-In Euler parameters nothing happens there: criterion the exact orientation, a constant angular velocity. In a gimbal,
-three hinges on rings, the mass matrix loses rank there: as long as it misses the lock the body turns as if free, for
-the rings have no mass; on the lock itself the run may stop, and then says of what.
+In Euler parameters nothing happens there: criterion the exact orientation, a constant angular velocity. In a
+gimbal, three hinges on rings, the mass matrix loses rank there: as long as it misses the lock the body turns
+as if free, for the rings have no mass; on the lock itself the run may stop, and then says of what.
 """
 
 import numpy as np
@@ -59,7 +59,13 @@ def test_angles_at_and_near_the_lock_tell_the_orientation(near, sign):
             "name": "lock",
             "gravity": [0, 0, 0],
             "body": {"body": {"mass": 1.0, "inertia": [1, 1, 1], "output": ["zyx"]}},
-            "joint": {"joint": {"free": {}, "between": ["ground", "body"], "start": {"euler_parameters": E.tolist()}}},
+            "joint": {
+                "joint": {
+                    "free": {},
+                    "between": ["ground", "body"],
+                    "start": {"euler_parameters": E.tolist()},
+                }
+            },
         }
         told = Rotation.from_euler("ZYX", start(scene).outputs()).as_quat()
         assert attitude_error(told[None], E[None]) < 3e-8
@@ -118,7 +124,9 @@ def test_a_ball_in_massless_rings_turns_as_if_free(check, miss, solver, allowed)
 @pytest.mark.parametrize("ring", [0.0, 1e-12, 1e-6])
 @pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3])
 def test_a_gimbal_that_all_but_locks_passes_or_stops(check, miss, ring, solver, allowed):
-    """Rings with some inertia take energy of the ball's: what stays is all energy, and momentum about the yaw hinge."""
+    """Rings with some inertia take energy of the ball's: what stays is all energy, and momentum about the yaw
+    hinge.
+    """
     omega = np.array([miss, 1.0, 0.0])
     t = np.linspace(0, 4, 17)
     found = try_run(gimbal(omega, ring), t, solver)

@@ -1,7 +1,8 @@
-"""Inputs that jump at communication points, also in the middle of the step that an integrator would like to take.
+"""Inputs that jump at communication points, also in the middle of the step that an integrator would like to
+take.
 
-Criterion: exact solutions piece by piece: parabolas of a free rotor, arcs of an oscillator in the phase plane, and
-with derivatives of the inputs polynomials of the fourth degree.
+Criterion: exact solutions piece by piece: parabolas of a free rotor, arcs of an oscillator in the phase
+plane, and with derivatives of the inputs polynomials of the fourth degree.
 """
 
 import numpy as np
@@ -151,7 +152,7 @@ def test_blows(check, solver, allowed):
 # an oscillator
 
 OSCILLATOR = solvers(
-    adaptive(1e-10, 1e-7),
+    adaptive(1e-10, 5e-7),
     fixed("rk4", 5e-3, 1e-6),
     fixed("gauss", 0.02, 1e-7),
     fixed("ros2", 2e-3, 1e-2),

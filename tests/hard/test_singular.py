@@ -1,7 +1,7 @@
 """Singular positions: the windows of A02 fold flat, where the mechanism has another branch for each window.
 
-Criterion: the tip's motion, known digits; couplers stay parallel to the ground; the published one is an energy
-drift of 0.1 J in 10 s. With equal windows the motion is a single pendulum's.
+Criterion: the tip's motion, known digits; couplers stay parallel to the ground; the published one is an
+energy drift of 0.1 J in 10 s. With equal windows the motion is a single pendulum's.
 """
 
 import numpy as np
@@ -37,6 +37,7 @@ def windows_error(n, y, rows, data):
 EACH = solvers(
     adaptive(1e-10, 2e-6),
     fixed("rk4", 1e-3, 1e-5),
+    fixed("ros2", 2e-3, 1e-2),
 )
 
 
@@ -49,17 +50,40 @@ def test_windows_pass_their_singular_positions(check, n, solver, allowed):
     check(windows_error(n, y, np.isin(times, data["t"]), data), allowed)
 
 
-def test_gauss_says_that_it_cannot_pass():
-    """Where accelerations jump from one stage to the next, fixed-point iteration finds none."""
-    data, scene = windows(1)
-    stop = try_run(scene, data["t"], {"integrator": "gauss", "step": 5e-3}).stop
-    assert "singular position" in str(stop)
-    assert 0.69 < stop.time < 0.72
+@solvers(fixed("gauss", 5e-3, 1e-6))
+@pytest.mark.parametrize("n", [1, 2])
+def test_windows_pass_or_stop_at_their_singular_position(n, solver, allowed):
+    """Where the rank of stages changes from one iteration to the next the stages cannot be found, and that is
+    said.
+    """
+    data, scene = windows(n)
+    found = try_run(scene, data["t"], solver)
+
+    if found.stop is not None:
+        assert "stages of a step were not found" in str(found.stop)
+        assert found.stop.time > 0.5
+
+    wanted = data["column"]["B0_x"][: len(found.t)]
+    assert np.abs(found["V0.tip.position"][:, 0] - wanted).max() < allowed
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="a step of ros2 that begins next to the singular position gets a Jacobian by differences across "
+    "the change of rank: the energy jumps to its thirtyfold, and nobody says so",
+)
+@solvers(fixed("ros2", 1e-3, 1e-2))
+def test_steps_of_any_length_pass_the_singular_position(solver, allowed):
+    """Of 1 ms the 6475th begins there."""
+    y = run(windows(1)[1], np.linspace(0, 10, 101), solver)
+    assert drift(y["total_energy"]) < allowed
 
 
 @formulations
 def test_windows_stop_at_their_singular_position_and_go_on(check, formulation):
-    """A communication point as near to the singular position as numbers allow, and steps of next to nothing there."""
+    """A communication point as near to the singular position as numbers allow, and steps of next to nothing
+    there.
+    """
     data, scene = windows(1, formulation)
     solver = {"integrator": "rk853", "tolerance": 1e-12}
     flat = time_of_passage(scene, solver)

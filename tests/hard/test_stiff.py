@@ -1,8 +1,9 @@
 """Stiff systems: rates of motion millions of times apart.
 
-The governor of A05, known digits; a pendulum whose length is a spring of 1e8 N/m, on a cone, an exact solution, and
-from rest in a plane, against the pendulum of fixed length; two bars that a stiff, heavily damped hinge, or bushing,
-makes one. An explicit integrator follows at the price of small steps; one of fixed step, too large, says that it fails.
+The governor of A05, known digits; a pendulum whose length is a spring of 1e8 N/m, on a cone, an exact
+solution, and from rest in a plane, against the pendulum of fixed length; two bars that a stiff, heavily
+damped hinge, or bushing, makes one. An explicit integrator follows at the price of small steps; one of fixed
+step, too large, says that it fails.
 """
 
 import numpy as np
@@ -22,7 +23,11 @@ def governor():
     scene = scene_of(data)
     shaft, slider, rod, _ = scene["joint"]
 
-    for name, outputs in ((shaft, ["angle", "speed"]), (rod, ["angle", "speed"]), (slider, ["position", "speed"])):
+    for name, outputs in (
+        (shaft, ["angle", "speed"]),
+        (rod, ["angle", "speed"]),
+        (slider, ["position", "speed"]),
+    ):
         scene["joint"][name]["output"] = outputs
 
     offsets = [("beta", f"'{rod}'.angle", np.pi / 6), ("beta_dot", f"'{rod}'.speed", 0.0)]
@@ -57,8 +62,8 @@ def test_governor_with_too_large_a_step_stops():
 
 @pytest.mark.xfail(
     strict=True,
-    reason="at 1e22 m/s and 2e6 m the articulated inertia of the shaft cancels to nothing: the message blames the scene's "
-    "masses for a motion that has run away",
+    reason="at 1e22 m/s and 2e6 m the articulated inertia of the shaft cancels to nothing: the message "
+    "blames the scene's masses for a motion that has run away",
 )
 def test_the_reason_is_the_motion_not_the_masses():
     assert "some mass or inertia" not in runaway_governor()
@@ -76,7 +81,9 @@ def spring_pendulum(position, velocity, damping=0.0):
         "name": "spring pendulum",
         "gravity": [0, 0, -G],
         "body": {"bob": {"mass": 1.0, "inertia": [0, 0, 0]}},
-        "joint": {"free": {"translation": {}, "between": ["ground", "bob"], "start": start, "output": output}},
+        "joint": {
+            "free": {"translation": {}, "between": ["ground", "bob"], "start": start, "output": output}
+        },
         "force": {"rod": {"spring_damper": strut, "between": ["ground", "bob"]}},
         "output": ["total_energy"],
     }
@@ -85,7 +92,7 @@ def spring_pendulum(position, velocity, damping=0.0):
 PENDULUM = solvers(
     adaptive(1e-9, 1e-7),
     fixed("rk4", 2e-5, 1e-9),
-    fixed("ros2", 1e-4, 5e-4),
+    fixed("ros2", 1e-4, 1e-3),
 )
 
 
@@ -106,7 +113,9 @@ def test_conical_pendulum_on_a_stiff_spring(check, damping, solver, allowed):
 @PENDULUM
 @pytest.mark.parametrize("damping", [0.0, 1e4])
 def test_plane_pendulum_on_a_stiff_spring(check, damping, solver, allowed):
-    """From rest at the length of equilibrium: it stays there, r = 1 + (g cos a + a'^2) / k, but for terms of 1 / k^2."""
+    """From rest at the length of equilibrium: it stays there, r = 1 + (g cos a + a'^2) / k, but for terms of
+    1 / k^2.
+    """
     angle = 1.2
 
     def length(a, rate):
@@ -130,7 +139,7 @@ def test_plane_pendulum_on_a_stiff_spring(check, damping, solver, allowed):
 
 
 def two_bars_as_one(kind):
-    """Bars of 1 m, hanging at an angle, held together by a hinge spring or a bushing; the first on a pivot."""
+    """Bars of 1 m, hanging at an angle, held together by a hinge spring or a bushing; one on a pivot."""
     bar = {"mass": 1.0, "com": [0, 0, -0.5], "inertia": [1 / 12, 1 / 12, 1e-3]}
     scene = {
         "name": "two bars as one",
@@ -196,8 +205,10 @@ def test_two_bars_held_together_swing_as_one(check, kind, solver, allowed):
     check(bars_error(found, t), allowed)
 
 
+@solvers(fixed("rk4", 1e-3, 0.2), fixed("gauss", 5e-3, 0.2))
 @pytest.mark.parametrize("kind", ["hinge", "bushing"])
-def test_explicit_steps_too_large_for_them_stop(kind):
-    found = try_run(two_bars_as_one(kind), np.linspace(0, 1, 11), {"integrator": "rk4", "step": 1e-3})
-    assert "no longer finite" in str(found.stop)
-    assert found.stop.time < 0.2
+def test_steps_too_large_for_them_stop(kind, solver, allowed):
+    """Explicit ones, and implicit ones whose stages are iterated as if it were not stiff."""
+    found = try_run(two_bars_as_one(kind), np.linspace(0, 1, 11), solver)
+    assert "no longer finite" in str(found.stop) or "stages of a step were not found" in str(found.stop)
+    assert found.stop.time < allowed
