@@ -181,18 +181,21 @@ run for a few steps. All mistakes found are printed; the exit status is 1 then."
 stepper and, where installed (pip install 'mbdfmi[bench]'), of Pinocchio, MuJoCo and Exudyn,
 all in one run. Then what an evaluation of the accelerations costs by number of bodies, what
 an FMU adds to a step, and how long an export takes. Everything takes about a quarter of an
-hour of one core, --quick less than a minute once the kernels are compiled.
+hour of one core, --quick less than a minute once the kernels are compiled. --long-run looks at
+something else: what 100,000 periods do to energy, momentum and phase (another quarter of an hour).
 
 It prints tables, and writes speed_against_error.md with its pictures and all raw figures (JSON).""",
         """examples:
   mbdfmi bench --quick                             a first look, into the folder bench
   mbdfmi bench -o docs                             the whole report
-  mbdfmi bench --problem heavy_top_bruls           one problem; a wrong name lists them all""",
+  mbdfmi bench --problem heavy_top_bruls           one problem; a wrong name lists them all
+  mbdfmi bench --long-run -o docs                  100,000 periods, into long_run.md; with --quick 100""",
     )  # fmt: skip
     command.add_argument("--quick", action="store_true", help="few problems, settings, sizes and repeats")
     command.add_argument(
         "--problem", action="append", default=[], metavar="NAME", help="run this problem only; may be repeated"
     )
+    command.add_argument("--long-run", action="store_true", help="drift over 100,000 periods, instead of all else")
     command.add_argument(
         "-o", "--output", default="bench", metavar="DIR", help="folder of the report (default: %(default)s)"
     )
@@ -682,17 +685,24 @@ def _check_fmu(path):
 
 
 def _bench(options):
+    from .report.long_run import PERIODS, QUICK_PERIODS, run_long
     from .report.speed_against_error import run_report
+
+    if options.long_run and options.problem:
+        raise ValueError("--problem names problems of the report; --long-run has orbits of its own: leave out one of them")
 
     columns = (TextColumn("{task.description}", justify="right"), BarColumn(), TimeRemainingColumn())
 
     with Progress(*columns, console=err, transient=True) as bar:
         task = bar.add_task("preparing", total=1.0)
-        report = run_report(
-            options.quick,
-            options.problem,
-            lambda fraction, text: bar.update(task, completed=fraction, description=text),
-        )
+
+        def tell(fraction, text):
+            bar.update(task, completed=fraction, description=text)
+
+        if options.long_run:
+            report = run_long(QUICK_PERIODS if options.quick else PERIODS, tell)
+        else:
+            report = run_report(options.quick, options.problem, tell)
 
     out.print(report)
 

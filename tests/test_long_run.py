@@ -19,7 +19,8 @@ PERIODS = 30
 def report(tmp_path_factory):
     told = []
     out = tmp_path_factory.mktemp("long")
-    found = run_long(PERIODS, out, lambda part, text: told.append((part, text)))
+    found = run_long(PERIODS, lambda part, text: told.append((part, text)))
+    found.save(out)
     return found, out, told
 
 

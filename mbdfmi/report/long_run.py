@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Group
-from rich.table import Table
+from rich.table import Column, Table
 
 from ..files import replacing
 from ..kernels import entry
@@ -23,6 +23,8 @@ from ..kernels.status import OK
 from ..model import compile_scene
 from ..scene import Scene
 from ..simulate import Instance, explain
+from .machine import machine
+from .markdown import table as markdown_table
 from .orbits import ORBITS, Orbit
 
 PERIODS = 100_000
@@ -30,6 +32,14 @@ QUICK_PERIODS = 100
 
 # communication steps in a period
 POINTS = 8
+
+INTRODUCTION = """# The long run
+
+{machine}.
+
+Written by `mbdfmi bench --long-run`. Largest relative change of what ought to be constant, and error of the state by its
+size (2 is as wrong as can be), in {points} communication steps a period; behind them, in brackets, the exponent of their
+growth with time."""
 
 # periods at which figures are taken, in a decade
 SAMPLES = 6
@@ -85,30 +95,53 @@ class LongRunReport:
         return {"rows": self.rows}
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes long_run.json and, where matplotlib is, long_run.png into a folder; returns the paths."""
-        written = [Path(folder) / "long_run.json"]
-
-        with replacing(written[0]) as path:
-            path.write_text(json.dumps(self.as_dict(), indent=1) + "\n", encoding="utf-8")
-
+        """Writes long_run.json, long_run.md and, where matplotlib is, long_run.png into a folder; returns the paths."""
         try:
             figure = self.figure()
         except ImportError:
-            return written
+            figure = None
 
-        written.append(Path(folder) / "long_run.png")
+        texts = {"long_run.json": json.dumps(self.as_dict(), indent=1) + "\n", "long_run.md": self._page(bool(figure))}
+        written = [Path(folder) / name for name in texts]
 
-        with replacing(written[1]) as path:
-            figure.savefig(path, format="png", dpi=150)
+        for place, text in zip(written, texts.values()):
+            with replacing(place) as path:
+                path.write_text(text, encoding="utf-8")
+
+        if figure:
+            written.append(Path(folder) / "long_run.png")
+
+            with replacing(written[-1]) as path:
+                figure.savefig(path, format="png", dpi=110)
 
         return written
+
+    def _page(self, pictured):
+        """The tables as a page of Markdown."""
+        parts = [INTRODUCTION.format(machine=", ".join(machine().values()), points=POINTS)]
+        parts += ["![Drift against time](long_run.png)"] if pictured else []
+
+        for orbit in self._orbits():
+            title, headings, rows = self._lines(orbit)
+            parts += [f"## {title}", markdown_table(headings, rows)]
+
+        parts += [f"- {note}" for note in self._notes()]
+        return "\n\n".join(parts) + "\n"
+
+    def _orbits(self):
+        """Names, in order."""
+        return list(dict.fromkeys(row["orbit"] for row in self.rows))
+
+    def _notes(self):
+        """What stopped early."""
+        return [f"{row['stepper']}, {row['orbit']}: {row['stopped']}" for row in self.rows if row["stopped"]]
 
     def figure(self):
         """Drift against time, log-log: an orbit a row; energy, momentum, state. Raises ImportError."""
         from matplotlib import colormaps
         from matplotlib.figure import Figure
 
-        orbits = list(dict.fromkeys(row["orbit"] for row in self.rows))
+        orbits = self._orbits()
         steppers = list(dict.fromkeys(row["stepper"] for row in self.rows))
         colour = {name: colormaps["tab10"](k) for k, name in enumerate(steppers)}
         figure = Figure(figsize=(13, 3.6 * len(orbits)), layout="constrained")
@@ -138,29 +171,24 @@ class LongRunReport:
         return figure
 
     def __rich__(self):
-        tables = [self._table(orbit) for orbit in dict.fromkeys(row["orbit"] for row in self.rows)]
-        notes = [
-            f"* {row['stepper']}, {row['orbit']}: {row['stopped']}" for row in self.rows if row["stopped"]
-        ]
-        return Group(*tables, *notes)
+        tables = [self._table(orbit) for orbit in self._orbits()]
+        return Group(*tables, *(f"* {note}" for note in self._notes()))
 
-    def _table(self, orbit):
+    def _lines(self, orbit):
+        """(title, headings, rows) of an orbit's table."""
         rows = [row for row in self.rows if row["orbit"] == orbit]
         constants = list(rows[0]["drift"])
         periods = max((row["periods"][-1] for row in rows if row["periods"]), default=0)
-        table = Table(
-            title=f"{rows[0]['title']}: largest change in {periods:,} periods (exponent of its growth)"
-        )
-        table.add_column("stepper")
+        title = f"{rows[0]['title']}: largest change in {periods:,} periods (exponent of its growth)"
+        headings = ["stepper", *constants, "state", "steps a period", "µs a period"]
+        return title, headings, [_cells(row, constants) for row in rows]
 
-        for name in (*constants, "state"):
-            table.add_column(name, justify="right")
-
-        for heading in ("steps a period", "µs a period"):
-            table.add_column(heading, justify="right")
+    def _table(self, orbit):
+        title, (first, *others), rows = self._lines(orbit)
+        table = Table(first, *(Column(heading, justify="right") for heading in others), title=title)
 
         for row in rows:
-            table.add_row(*_cells(row, constants))
+            table.add_row(*row)
 
         return table
 
@@ -181,14 +209,12 @@ def _cells(row, constants):
 
 def run_long(
     periods: int = PERIODS,
-    out: Path | None = None,
     progress: Callable[[float, str], None] | None = None,
     steppers: list[str] | None = None,
 ) -> LongRunReport:
     """Runs each orbit with each stepper that this version has.
 
     periods : how many.  steppers : names of STEPPERS, or None for all.
-    out : folder for long_run.json and long_run.png, or None.
     progress : called with the fraction done and what comes next.
     """
     progress = progress or (lambda fraction, text: None)
@@ -200,13 +226,8 @@ def run_long(
         text = f"{orbit.name}, {name}"
         rows.append(_run(orbit, name, periods, lambda part: progress((k + part) / len(runs), text)))
 
-    report = LongRunReport(rows)
-
-    if out:
-        report.save(out)
-
     progress(1.0, "done")
-    return report
+    return LongRunReport(rows)
 
 
 def _solver(orbit, name):
