@@ -182,7 +182,7 @@ stepper and, where installed (pip install 'mbdfmi[bench]'), of Pinocchio, MuJoCo
 all in one run. Then what an evaluation of the accelerations costs by number of bodies, what
 an FMU adds to a step, and how long an export takes. Everything takes about a quarter of an
 hour of one core, --quick less than a minute once the kernels are compiled. --long-run looks at
-something else: what 100,000 periods do to energy, momentum and phase (another quarter of an hour).
+something else: what 100,000 periods do to energy, momentum and phase (a quarter of an hour too).
 
 It prints tables, and writes speed_against_error.md with its pictures and all raw figures (JSON).""",
         """examples:
