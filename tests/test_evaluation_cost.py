@@ -57,7 +57,7 @@ def test_a_run_without_peers_says_what_is_missing(monkeypatch):
 
 def test_a_peer_of_other_physics_is_refused(monkeypatch):
     class Wrong(evaluation.Ours):
-        name, how, preparing, overhead = "Wrong", "", "", None
+        name, how, preparing = "Wrong", "", ""
 
         @classmethod
         def version(cls):

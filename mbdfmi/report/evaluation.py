@@ -20,7 +20,7 @@ from ..model import compile_scene
 from ..simulate import Instance
 from .machine import machine, own_versions
 from .mechanisms import chain_parents, links_of, scene_of, tree_parents
-from .peers import Missing, MuJoCo, Pinocchio, PinocchioNative
+from .peers import MuJoCo, Pinocchio, PinocchioNative, peers_here
 
 MECHANISMS = {"chain": chain_parents, "tree": tree_parents}
 SIZES = (1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024)
@@ -57,6 +57,7 @@ class Ours:
 
     formulation = "recursive"
     overhead = None
+    largest = np.inf
 
     def __init__(self, links):
         model = compile_scene(scene_of(links, self.formulation))
@@ -149,8 +150,8 @@ class EvaluationCosts:
 
         for row in self.rows:
             if row["mechanism"] == mechanism:
-                times = [*(row["seconds"][name] for name in names), row["seconds_aba"]]
-                table.add_row(str(row["bodies"]), *(f"{1e6 * time:.3g}" for time in times))
+                times = [*(row["seconds"].get(name) for name in names), row["seconds_aba"]]
+                table.add_row(str(row["bodies"]), *(f"{1e6 * time:.3g}" if time else "-" for time in times))
 
         exponents = self.exponents[mechanism]
         table.add_section()
@@ -170,7 +171,7 @@ def evaluation_costs(
     The report prints itself with rich. Raises RuntimeError when a peer's accelerations differ.
     """
     progress = progress or (lambda fraction, text: None)
-    peers, versions, missing = _peers_here(QUICK_PEERS if quick else PEERS, progress)
+    peers, versions, missing = peers_here(QUICK_PEERS if quick else PEERS, lambda text: progress(0.0, text))
     rounds, shortest = (3, 2e-4) if quick else (15, 1e-3)
     peers = [Embedding, Augmented, *peers]
     contests = []
@@ -211,7 +212,7 @@ class _Contest:
         ours = Ours(links)
         self.mechanism = mechanism
         self.n = n
-        self.peers = {peer.name: peer(links) for peer in peers}
+        self.peers = {peer.name: peer(links) for peer in peers if n <= peer.largest}
         self.difference = _differences(ours, self.peers)
         self.runs = {OURS: ours.run, UP_TO_ABA: ours.run_up_to_aba}
 
@@ -285,24 +286,10 @@ def _differences(ours, peers):
 def _exponents(rows, mechanism):
     """Slope of log time over log bodies by contestant."""
     rows = [row for row in rows if row["mechanism"] == mechanism and row["bodies"] >= FIT_FROM]
-    x = np.log([row["bodies"] for row in rows])
-    return {
-        name: float(np.polyfit(x, np.log([row["seconds"][name] for row in rows]), 1)[0])
-        for name in rows[0]["seconds"]
-    }
+    exponents = {}
 
+    for name in rows[0]["seconds"]:
+        measured = [(row["bodies"], row["seconds"][name]) for row in rows if name in row["seconds"]]
+        exponents[name] = float(np.polyfit(*np.log(measured).T, 1)[0])
 
-def _peers_here(candidates, progress):
-    """Peers that can run here, their versions, and why the others cannot."""
-    peers, versions, missing = [], {}, {}
-
-    for peer in candidates:
-        progress(0.0, peer.preparing)
-
-        try:
-            versions[peer.name] = peer.version()
-            peers.append(peer)
-        except Missing as why:
-            missing[peer.name] = str(why)
-
-    return peers, versions, missing
+    return exponents

@@ -140,14 +140,15 @@ def _evaluation(report, pictures):
     costs = report.evaluation
     names = list(costs.contestants)
     lines = ["## Cost of an evaluation against the number of bodies", ""]
-    lines += ["µs for the accelerations at one state; a compiled loop, the least of several rounds.", ""]
+    lines += ["µs for the accelerations at one state; a compiled loop, the least of several rounds."]
+    lines += ["A dash: more bodies than this library can take (Pinocchio needs memory in their third power).", ""]
 
     if "evaluation_cost.png" in pictures:
         lines += ["![Cost of an evaluation](evaluation_cost.png)", ""]
 
     for mechanism, exponents in costs.exponents.items():
         rows = [
-            [row["bodies"], *(f"{1e6 * row['seconds'][name]:.3g}" for name in names)]
+            [row["bodies"], *(_micro(row["seconds"].get(name)) for name in names)]
             for row in costs.rows
             if row["mechanism"] == mechanism
         ]
@@ -159,6 +160,10 @@ def _evaluation(report, pictures):
         f"\nLargest relative difference of the accelerations from ours: {costs.largest_difference:.1e}."
     )
     return "\n".join(lines)
+
+
+def _micro(seconds):
+    return f"{1e6 * seconds:.3g}" if seconds else "-"
 
 
 def _fmu(report):

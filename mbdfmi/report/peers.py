@@ -1,8 +1,8 @@
 """Other libraries' forward dynamics of the same mechanisms, each at its best.
 
-A peer is made of links and has `name`, `how` (it is measured), `preparing` (what may take a while
-before), `run(n)` to evaluate the accelerations n times, `overhead(n)`, what to take off for calling
-it n times (or None), and `accelerations()` (rad/s2) by link.
+A peer is made of links and has `name`, `how` (it is measured), `largest` (number of links that it can
+take), `preparing` (what may take a while before), `run(n)` to evaluate the accelerations n times,
+`overhead(n)`, what to take off for calling it n times (or None), and `accelerations()` (rad/s2) by link.
 """
 
 import ctypes
@@ -41,10 +41,30 @@ def _columns(links):
     return np.array(rows).reshape(-1, 3).T.copy()
 
 
+def peers_here(candidates, tell) -> tuple[list[type], dict[str, str], dict[str, str]]:
+    """Of classes of peers those that can run here, their versions, and why the others cannot, by name.
+
+    tell : called with what may take a while.
+    """
+    peers, versions, missing = [], {}, {}
+
+    for peer in candidates:
+        tell(peer.preparing)
+
+        try:
+            versions[peer.name] = peer.version()
+            peers.append(peer)
+        except Missing as why:
+            missing[peer.name] = str(why)
+
+    return peers, versions, missing
+
+
 class Pinocchio:
     """Pinocchio's `aba` as in the wheel `pin`, called from Python."""
 
     name = "Pinocchio"
+    largest = 256  # joints; its Data holds tensors of their third power: of 1024, 34 GB
     preparing = "loading Pinocchio"
     how = "pin's wheel, called from Python; the same call on a mechanism without joints taken off"
 
@@ -95,6 +115,7 @@ class PinocchioNative:
     """Pinocchio's headers compiled for this processor, in a loop in C++."""
 
     name = "Pinocchio (C++)"
+    largest = Pinocchio.largest
     preparing = "compiling Pinocchio's headers (minutes, once)"
     how = "its headers compiled for this processor by zig's clang, -O3 -march=native; a loop in C++"
     overhead = None
@@ -202,6 +223,7 @@ class MuJoCo:
     """MuJoCo's smooth dynamics: what `mj_forward` calls for a mechanism without contacts."""
 
     name = "MuJoCo"
+    largest = 512  # a chain of 1024 is too deep for it
     preparing = "loading MuJoCo"
     how = (
         "mj_kinematics, mj_comPos, mj_makeM, mj_factorM, mj_comVel, mj_rne, mj_solveM of its "

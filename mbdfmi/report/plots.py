@@ -91,8 +91,8 @@ def evaluation_figure(report):
         bodies = [row["bodies"] for row in rows]
 
         for name in report.contestants:
-            times = [1e6 * row["seconds"][name] for row in rows]
-            ax.loglog(bodies, times, "o-", label=name, markersize=4)
+            measured = [(row["bodies"], 1e6 * row["seconds"][name]) for row in rows if name in row["seconds"]]
+            ax.loglog(*zip(*measured), "o-", label=name, markersize=4)
 
         ax.set(title=f"{mechanism} of revolute joints", xlabel="bodies")
         ax.set_xticks(bodies, bodies, minor=False)

@@ -17,7 +17,7 @@ from .evaluation import EvaluationCosts, evaluation_costs
 from .fmu_costs import export_costs, fmu_costs
 from .machine import machine, own_versions
 from .markdown import markdown
-from .peers import Missing
+from .peers import peers_here
 from .peers_exudyn import ExudynMotion
 from .peers_mujoco import MuJoCoMotion
 from .peers_pinocchio import PinocchioMotion
@@ -165,8 +165,8 @@ def run_report(
     problems = chosen_problems(names, quick)
     evaluation = evaluation_costs(quick, lambda fraction, text: progress(0.25 * fraction, text))
     steppers, missing = known_steppers()
-    peers, versions, without = _peers_here(QUICK_PEERS if quick else PEERS, lambda text: progress(0.25, text))
-    contestants = [*steppers, *peers]
+    peers, versions, without = peers_here(QUICK_PEERS if quick else PEERS, lambda text: progress(0.25, text))
+    contestants = [*steppers, *(peer() for peer in peers)]
     rows = []
 
     for k, problem in enumerate(problems):
@@ -231,19 +231,3 @@ def known_steppers() -> tuple[list, dict[str, str]]:
 
 def _times_at(row, aim):
     return {name: cpu_at(points, aim) for name, points in row["results"].items()}
-
-
-def _peers_here(candidates, tell):
-    """Peers that can run here, their versions, and why the others cannot."""
-    peers, versions, missing = [], {}, {}
-
-    for peer in candidates:
-        tell(peer.preparing)
-
-        try:
-            versions[peer.name] = peer.version()
-            peers.append(peer())
-        except Missing as why:
-            missing[peer.name] = str(why)
-
-    return peers, versions, missing

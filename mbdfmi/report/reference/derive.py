@@ -121,14 +121,15 @@ def chain_file(n, angle, times):
         "id": f"chain_bars_N{n}",
         "title": f"Chain of {n} uniform 1 m bars with revolute joints, released straight and aslant",
         "source": ["own definition (standard N-pendulum); reference by derive.py"],
-        "how_obtained": "Lagrange's equations of the N-pendulum in absolute angles; extrapolation of order 14, "
-        f"H = 1/100 s, and of order 12, H = 1/160 s, in 64-bit mantissa, agree to {common} digits",
+        "how_obtained": "Lagrange's equations of the N-pendulum in absolute angles; extrapolation of order "
+        f"14, H = 1/100 s, and of order 12, H = 1/160 s, in 64-bit mantissa, agree to {common} digits",
         "digits": int(common),
         "bodies": bodies,
         "joints": joints,
         "forces": [],
         "gravity": [0, -9.81, 0],
-        "initial_conditions": f"straight, {np.degrees(float(angle)):.0f} degrees from the lowest position, at rest",
+        "initial_conditions": f"straight, {np.degrees(float(angle)):.0f} degrees from the lowest position, "
+        "at rest",
         "quantities": ["t", "tip_x", "tip_y", "tip_vx", "tip_vy", *(f"theta{k + 1}" for k in range(n))],
         "values": np.column_stack([times, *tip, q]).astype(float).tolist(),
     }
@@ -199,8 +200,8 @@ def four_bar_file(start, times):
         "id": "four_bar",
         "title": "Planar four-bar with a crank that could turn, swung by its weight; no singular position",
         "source": ["own definition; reference by derive.py"],
-        "how_obtained": "the crank's angle alone, closure solved in closed form; extrapolation of order 14, H = 1/100 s, "
-        f"and of order 12, H = 1/160 s, in 64-bit mantissa, agree to {common} digits",
+        "how_obtained": "the crank's angle alone, closure solved in closed form; extrapolation of order 14, "
+        f"H = 1/100 s, and of order 12, H = 1/160 s, in 64-bit mantissa, agree to {common} digits",
         "digits": int(common),
         "bodies": bodies,
         "joints": [
