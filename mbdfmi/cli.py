@@ -189,7 +189,7 @@ It prints tables, and writes speed_against_error.md with its pictures and all ra
   mbdfmi bench --quick                             a first look, into the folder bench
   mbdfmi bench -o docs                             the whole report
   mbdfmi bench --problem heavy_top_bruls           one problem; a wrong name lists them all
-  mbdfmi bench --long-run -o docs                  100,000 periods, into long_run.md; with --quick 100""",
+  mbdfmi bench --long-run -o docs                  100,000 periods (--quick: 100), into long_run.md""",
     )  # fmt: skip
     command.add_argument("--quick", action="store_true", help="few problems, settings, sizes and repeats")
     command.add_argument(

@@ -136,7 +136,7 @@ def test_what_a_peer_cannot_is_told(peer, module):
 class Made:
     """A contestant whose runs take what its settings say: (CPU seconds, error as a shift of x, reason)."""
 
-    name, how, ours = "made", "", True
+    name, how, ours, packaged = "made", "", True, True
 
     def __init__(self, *plans):
         self.plans = plans

@@ -31,6 +31,7 @@ class ExudynMotion:
 
     name = "Exudyn"
     ours = False
+    packaged = True
     preparing = "loading Exudyn"
     how = (
         "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for "

@@ -22,6 +22,7 @@ class MuJoCoMotion:
 
     name = "MuJoCo"
     ours = False
+    packaged = True
     preparing = "loading MuJoCo"
     how = (
         "RK4, mj_step for all steps between two reference times in one call; contacts and all else that "

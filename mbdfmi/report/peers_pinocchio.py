@@ -21,6 +21,7 @@ class PinocchioMotion:
 
     name = "Pinocchio"
     ours = False
+    packaged = False  # it integrates nothing: the loop around it is ours
     preparing = "compiling Pinocchio's headers (minutes, once)"
     how = (
         "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); Boost's "

@@ -34,7 +34,7 @@ class SpeedReport:
     """What was measured.
 
     machine, versions, missing : by name.
-    contestants : name -> `how` it was used, and whether it is `ours`.
+    contestants : name -> `how` it was used, whether it is `ours`, and whether it is `packaged`: integrates by itself.
     problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points
         (see contests.Point).
     at : error -> problem -> contestant -> CPU seconds, or None where it was not reached.
@@ -94,18 +94,26 @@ class SpeedReport:
             return {}
 
     def standing(self, aim: float, problem: str) -> dict:
-        """Who needs how much CPU time for an error: `ours` and `peer`, the best (name, s) of each or None,
-        `ratio` of peer to ours or None, and `all`.
+        """Who needs how much CPU time for an error: the best (name, s) of `ours`, of the packaged peers (`package`)
+        and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to ours, or None; and `all`.
         """
         times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
-        best = {}
+        groups = {
+            "ours": lambda contestant: contestant["ours"],
+            "package": lambda contestant: contestant["packaged"] and not contestant["ours"],
+            "peer": lambda contestant: not contestant["ours"],
+        }
+        found = {"all": times}
 
-        for ours in (True, False):
-            names = [name for name in times if self.contestants[name]["ours"] == ours]
-            best[ours] = min(((name, times[name]) for name in names), key=lambda pair: pair[1], default=None)
+        for group, belongs in groups.items():
+            members = [(name, s) for name, s in times.items() if belongs(self.contestants[name])]
+            found[group] = min(members, key=lambda pair: pair[1], default=None)
 
-        ratio = best[False][1] / best[True][1] if best[True] and best[False] else None
-        return {"ours": best[True], "peer": best[False], "ratio": ratio, "all": times}
+        for group in ("package", "peer"):
+            both = found["ours"] and found[group]
+            found[f"{group}_ratio"] = found[group][1] / found["ours"][1] if both else None
+
+        return found
 
     def __rich__(self):
         tables = [self._aim_table(aim) for aim in AIMS]
@@ -116,20 +124,21 @@ class SpeedReport:
 
     def _aim_table(self, aim):
         peers = [name for name, contestant in self.contestants.items() if not contestant["ours"]]
-        table = Table(title=f"CPU time (ms) for an error of {aim:g}; ratio: best peer to ours")
+        table = Table(title=f"CPU time (ms) for an error of {aim:g}; ratios to ours: best package, best of all")
         table.add_column("problem")
 
-        for heading in ("ours", *peers, "ratio"):
+        for heading in ("ours", *peers, "package", "all"):
             table.add_column(heading, justify="right")
 
         for problem in self.problems:
             standing = self.standing(aim, problem["name"])
-            ours, ratio = standing["ours"], standing["ratio"]
+            ours = standing["ours"]
+            ratios = [standing[f"{group}_ratio"] for group in ("package", "peer")]
             table.add_row(
                 problem["title"],
                 f"{1e3 * ours[1]:.3g} ({ours[0]})" if ours else "-",
                 *(f"{1e3 * standing['all'][name]:.3g}" if name in standing["all"] else "-" for name in peers),
-                f"{ratio:.1f}" if ratio else "-",
+                *(f"{ratio:.1f}" if ratio else "-" for ratio in ratios),
             )
 
         return table
@@ -189,7 +198,7 @@ def run_report(
         machine=machine(),
         versions=own_versions() | versions,
         missing=missing | without,
-        contestants={it.name: {"how": it.how, "ours": it.ours} for it in contestants},
+        contestants={it.name: {"how": it.how, "ours": it.ours, "packaged": it.packaged} for it in contestants},
         problems=rows,
         at={f"{aim:g}": {row["name"]: _times_at(row, aim) for row in rows} for aim in AIMS},
         evaluation=evaluation,
