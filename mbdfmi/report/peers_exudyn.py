@@ -90,6 +90,8 @@ class _Run:
 
     def __init__(self, problem: Problem, values: dict):
         self.exu = library_of("exudyn", "exudyn")
+        self.exu.config.suppressWarnings = True
+        self.exu.config.printToConsole = False
         self.items = library_of("exudyn.itemInterface", "exudyn")
         self.problem, self.values = problem, values
         self.container = self.exu.SystemContainer()

@@ -63,6 +63,9 @@ class MuJoCoRun:
 
     def __init__(self, problem: Problem, step: float, soft: float = SOFT[0]):
         self.mujoco = library_of("mujoco", "mujoco")
+
+        # its warnings of steps too long would go to a file in the working folder; `run` looks at their numbers
+        self.mujoco.set_mju_user_warning(lambda text: None)
         self.problem, self.step, self.soft = problem, step, soft
         self.model, self.joints = self._model()
         self.data = self.mujoco.MjData(self.model)

@@ -204,18 +204,22 @@ static void run(System &s, Stepper stepper, State &x, const double *times, int n
 }
 
 // states (n, nq + nv) at the times; returns the number of evaluations, -1 for an error
-extern "C" long motion_run(System *s, const double *x0, const double *times, int n, int method, double tolerance,
-                           double *rows) {
+extern "C" long motion_run(System *s, const double *x0, const double *times, int n, int method,
+                           double tolerance, double *rows) {
+  using namespace odeint;
+  using Fehlberg = runge_kutta_fehlberg78<State>;
+  using Dopri = runge_kutta_dopri5<State>;
+
   State x(x0, x0 + s->model.nq + s->model.nv);
   s->evaluations = 0;
 
   try {
     if (method == EXTRAPOLATION) {
-      run(*s, odeint::bulirsch_stoer<State>(tolerance, tolerance), x, times, n, rows);
+      run(*s, bulirsch_stoer<State>(tolerance, tolerance), x, times, n, rows);
     } else if (method == FEHLBERG) {
-      run(*s, odeint::make_controlled(tolerance, tolerance, odeint::runge_kutta_fehlberg78<State>()), x, times, n, rows);
+      run(*s, make_controlled(tolerance, tolerance, Fehlberg()), x, times, n, rows);
     } else {
-      run(*s, odeint::make_controlled(tolerance, tolerance, odeint::runge_kutta_dopri5<State>()), x, times, n, rows);
+      run(*s, make_controlled(tolerance, tolerance, Dopri()), x, times, n, rows);
     }
   } catch (const std::exception &) {
     return -1;
