@@ -230,7 +230,7 @@ def test_the_report_is_written_whole(monkeypatch, tmp_path):
     text = (tmp_path / "speed_against_error.md").read_text()
 
     for words in (
-        "error of 1e-08",
+        "error of 1e-8",
         "Error against CPU time",
         "could not be run",
         "What an FMU adds",

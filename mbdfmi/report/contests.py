@@ -23,11 +23,16 @@ class Cannot(Exception):
 
 @dataclass(frozen=True)
 class Setting:
-    """One setting of a contestant: its label, its values by its own names, its level, 0 the loosest."""
+    """One setting of a contestant.
+
+    label : in words.  values : by the contestant's own names.  level : 0 the loosest.
+    series : settings of one series differ in their level alone.
+    """
 
     label: str
     values: dict
     level: int
+    series: str = ""
 
 
 @dataclass(frozen=True)
@@ -36,13 +41,13 @@ class Limits:
 
     levels : of the settings that are run, 0 the loosest.
     rounds : of all contestants, at most.
-    longest : s of CPU; a contestant whose run takes longer is not run at a tighter setting.
+    longest : s of CPU; what takes longer is not run at the tighter settings of its series.
     enough : s of CPU; what has taken so much in all rounds together is not repeated.
     """
 
     levels: Container[int] = range(100)
     rounds: int = 7
-    longest: float = 2.0
+    longest: float = 3.0
     enough: float = 0.3
 
 
@@ -93,7 +98,7 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
         tell(f"{problem.title}: {contestant.name}")
         points = results[contestant.name] = []
 
-        too_long = None
+        too_long = {}
 
         for setting in contestant.settings(problem):
             if setting.level not in limits.levels:
@@ -102,8 +107,9 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
             point = Point(setting.label, setting.values)
             points.append(point)
 
-            if too_long and setting.level > too_long[1]:
-                point.reason = f"not run: {too_long[0].setting} took {too_long[0].cpu_s:.1f} s"
+            if setting.series in too_long:
+                before = too_long[setting.series]
+                point.reason = f"not run: {before.setting} took {before.cpu_s:.1f} s"
                 continue
 
             try:
@@ -120,7 +126,7 @@ def contest(problem: Problem, contestants: Iterable, limits: Limits, tell: Calla
                 running.append((run, point))
 
                 if point.cpu_s > limits.longest:
-                    too_long = too_long or (point, setting.level)
+                    too_long[setting.series] = point
 
     for k in range(1, limits.rounds):
         tell(f"{problem.title}: round {k + 1} of {limits.rounds}")

@@ -44,6 +44,25 @@ def table(headings, rows) -> str:
     return "\n".join(f"| {' | '.join(str(cell) for cell in line)} |" for line in lines)
 
 
+def power(number: float) -> str:
+    """1e-8 for 1e-08."""
+    return f"{number:.0e}".replace("e-0", "e-")
+
+
+def figures(number: float, digits: int = 3) -> str:
+    """A number with so many significant digits, never as a power."""
+    text = f"{number:.{digits}g}"
+    return f"{float(text):.0f}" if "e" in text else text
+
+
+def milliseconds(problem: dict, name: str, seconds: float | None) -> str:
+    """A contestant's time; what there is instead when it has none."""
+    if seconds:
+        return figures(1e3 * seconds)
+
+    return "-" if any(point["cpu_s"] for point in problem["results"][name]) else "x"
+
+
 def _at(report, aim):
     peers = [name for name, contestant in report.contestants.items() if not contestant["ours"]]
     rows = []
@@ -52,13 +71,13 @@ def _at(report, aim):
         standing = report.standing(aim, problem["name"])
         ours = standing["ours"]
         ratios = [(standing[group], standing[f"{group}_ratio"]) for group in ("package", "peer")]
-        cells = [f"{1e3 * standing['all'][name]:.3g}" if name in standing["all"] else "-" for name in peers]
+        cells = [milliseconds(problem, name, standing["all"].get(name)) for name in peers]
         rows.append(
             [
                 problem["title"],
-                f"{1e3 * ours[1]:.3g} ({ours[0]})" if ours else "-",
+                f"{figures(1e3 * ours[1])} ({ours[0]})" if ours else "-",
                 *cells,
-                *(f"{ratio:.1f} ({peer[0]})" if ratio else "-" for peer, ratio in ratios),
+                *(f"{figures(ratio, 2)} ({peer[0]})" if ratio else "-" for peer, ratio in ratios),
             ]
         )
 
@@ -66,10 +85,10 @@ def _at(report, aim):
     headings += ["best package to ours", "best of all to ours"]
     ratios = [report.standing(aim, problem["name"])["package_ratio"] for problem in report.problems]
     ratios = [ratio for ratio in ratios if ratio]
-    lines = [f"## CPU time for an error of {aim:g}", "", table(headings, rows), ""]
+    lines = [f"## CPU time for an error of {power(aim)}", "", table(headings, rows), ""]
     lines.append(
-        "A dash: this error was not reached at any setting run, or the problem cannot be told (see below). Packages "
-        "are peers that integrate by themselves; around Pinocchio the loop is ours, in C++, and the steppers are Boost's."
+        "-: no setting that was run is so exact. x: cannot be run; why, stands below. Packages are peers that integrate "
+        "by themselves; around Pinocchio the loop is ours, in C++, and the steppers are Boost's."
     )
 
     if ratios and aim == AIMS[0]:
@@ -98,7 +117,7 @@ def _errors(report, pictures):
         rows = []
 
         for name, points in problem["results"].items():
-            cells = [f"{1e3 * p['cpu_s']:.3g} ms: {p['error']:.1e}" for p in points if p["cpu_s"]]
+            cells = [f"{figures(1e3 * p['cpu_s'])} ms: {p['error']:.1e}" for p in points if p["cpu_s"]]
             rows += [f"- {name}: {'; '.join(cells)}"] if cells else []
 
         lines += [
@@ -144,7 +163,7 @@ def _evaluation(report, pictures):
     names = list(costs.contestants)
     lines = ["## Cost of an evaluation against the number of bodies", ""]
     lines += ["µs for the accelerations at one state; a compiled loop, the least of several rounds."]
-    lines += ["A dash: more bodies than this library can take (Pinocchio needs memory in their third power).", ""]
+    lines += ["-: more bodies than it can take (Pinocchio needs memory in their third power).", ""]
 
     if "evaluation_cost.png" in pictures:
         lines += ["![Cost of an evaluation](evaluation_cost.png)", ""]
@@ -166,7 +185,7 @@ def _evaluation(report, pictures):
 
 
 def _micro(seconds):
-    return f"{1e6 * seconds:.3g}" if seconds else "-"
+    return figures(1e6 * seconds) if seconds else "-"
 
 
 def _fmu(report):

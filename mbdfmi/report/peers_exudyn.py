@@ -56,10 +56,11 @@ class ExudynMotion:
         for level, (tolerance, step) in enumerate(zip(TOLERANCES, problem.steps)):
             if not loops:
                 values = {"solver": "DOPRI5", "tolerance": tolerance}
-                found.append(Setting(f"DOPRI5, tolerance {tolerance:.0e}", values, level))
+                found.append(Setting(f"DOPRI5, tolerance {tolerance:.0e}", values, level, "DOPRI5"))
 
             for solver in (*implicit, *(() if loops else ("RK67",))):
-                found.append(Setting(f"{solver}, step {step:.3g}", {"solver": solver, "step": step}, level))
+                values = {"solver": solver, "step": step}
+                found.append(Setting(f"{solver}, step {step:.3g}", values, level, solver))
 
         return found
 

@@ -40,8 +40,9 @@ class MuJoCoMotion:
         loops = not problem.scene and spanning_tree(problem.data)[1]
         return [
             Setting(
-                f"step {h:.3g}" + f", solref {soft:g} steps" * bool(loops), {"step": h, "soft": soft}, level
-            )
+                f"step {h:.3g}" + f", solref {soft:g} steps" * bool(loops),
+                {"step": h, "soft": soft}, level, f"{soft:g}",
+            )  # fmt: skip
             for level, h in enumerate(problem.steps)
             for soft in (SOFT if loops else SOFT[:1])
         ]
@@ -64,7 +65,7 @@ class MuJoCoRun:
     def __init__(self, problem: Problem, step: float, soft: float = SOFT[0]):
         self.mujoco = library_of("mujoco", "mujoco")
 
-        # its warnings of steps too long would go to a file in the working folder; `run` looks at their numbers
+        # its warnings would go to a file in the working folder; `run` looks at their numbers
         self.mujoco.set_mju_user_warning(lambda text: None)
         self.problem, self.step, self.soft = problem, step, soft
         self.model, self.joints = self._model()

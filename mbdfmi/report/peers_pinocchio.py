@@ -38,7 +38,7 @@ class PinocchioMotion:
     def settings(self, problem: Problem) -> list[Setting]:
         """From loose to tight."""
         return [
-            Setting(f"{name}, tolerance {tolerance:.0e}", {"method": k, "tolerance": tolerance}, level)
+            Setting(f"{name}, tolerance {tolerance:.0e}", {"method": k, "tolerance": tolerance}, level, name)
             for level, tolerance in enumerate(problem.tolerances)
             for k, name in enumerate(METHODS)
         ]

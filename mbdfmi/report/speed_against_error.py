@@ -16,7 +16,7 @@ from .contests import AIMS, QUICK, Limits, contest, cpu_at
 from .evaluation import EvaluationCosts, evaluation_costs
 from .fmu_costs import export_costs, fmu_costs
 from .machine import machine, own_versions
-from .markdown import markdown
+from .markdown import figures, markdown, milliseconds, power
 from .peers import peers_here
 from .peers_exudyn import ExudynMotion
 from .peers_mujoco import MuJoCoMotion
@@ -124,7 +124,8 @@ class SpeedReport:
 
     def _aim_table(self, aim):
         peers = [name for name, contestant in self.contestants.items() if not contestant["ours"]]
-        table = Table(title=f"CPU time (ms) for an error of {aim:g}; ratios to ours: best package, best of all")
+        title = f"CPU time (ms) for an error of {power(aim)}; ratios to ours: best package, best of all"
+        table = Table(title=title)
         table.add_column("problem")
 
         for heading in ("ours", *peers, "package", "all"):
@@ -136,9 +137,9 @@ class SpeedReport:
             ratios = [standing[f"{group}_ratio"] for group in ("package", "peer")]
             table.add_row(
                 problem["title"],
-                f"{1e3 * ours[1]:.3g} ({ours[0]})" if ours else "-",
-                *(f"{1e3 * standing['all'][name]:.3g}" if name in standing["all"] else "-" for name in peers),
-                *(f"{ratio:.1f}" if ratio else "-" for ratio in ratios),
+                f"{figures(1e3 * ours[1])} ({ours[0]})" if ours else "-",
+                *(milliseconds(problem, name, standing["all"].get(name)) for name in peers),
+                *(figures(ratio, 2) if ratio else "-" for ratio in ratios),
             )
 
         return table

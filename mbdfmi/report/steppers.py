@@ -65,7 +65,7 @@ class OurRun:
         self.times = times
         self.rows = np.zeros((len(times), self.instance.model.n_y))
 
-        # compiled before any clock starts
+        # over no times: the loop is compiled, or its compiled form found, before anything is timed
         follow(self.instance.m, self.instance.d, times[:0], self.instance.y, self.rows)
 
     def run(self) -> tuple[float, np.ndarray]:
