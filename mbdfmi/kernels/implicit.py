@@ -66,9 +66,6 @@ EASY_AFTER = 10.0
 # of the states, for J
 INCREMENT = 1e-7
 
-# how much larger the linear systems of ros2 may make a right-hand side; where all decays they make it smaller
-AMPLIFIED = 3.0
-
 GAMMA_ROS2 = 1.0 - 1.0 / math.sqrt(2.0)
 
 # rows of d.stage: f at the start, at the three stages; W; right-hand sides, real and complex
@@ -432,55 +429,12 @@ def radau(m, d, s, H, watch):
     return (status(CHANGE_METHOD, 0) if easy else OK), s
 
 
-@inlined
-def solve_stage(m, d, row, mu):
-    """k in row `row` of d.stage from its right-hand side, (1 - g h J) k = right. False when it is much larger than that."""
-    n = m.n_x
-    size = weighed_norm(m, d, row, 1)
-
-    for k in range(n):
-        d.stage[row * n + k] *= mu
-
-    linear.solve(d.lu_real, d.swaps_real, n, d.stage, row * n)
-    return weighed_norm(m, d, row, 1) <= AMPLIFIED * size
-
-
-@inlined
-def find_ros2_stages(m, d, s, h, mu, implicit):
-    """k1 and k2 in rows 1 and 2 of d.stage, by f in row 0; J = 0 unless `implicit`. Returns (status, whether they are tame)."""
-    n = m.n_x
-    tame = True
-
-    for k in range(n):
-        d.stage[n + k] = d.stage[k]
-
-    if implicit:
-        tame = solve_stage(m, d, 1, mu)
-
-    for k in range(n):
-        d.x[k] = d.x_before[k] + h * d.stage[n + k]
-
-    failure = evaluate(m, d, s + h)
-
-    if failure != OK:
-        return failure, tame
-
-    for k in range(n):
-        d.stage[2 * n + k] = d.x_rate[k] - 2.0 * d.stage[n + k]
-
-    if implicit:
-        tame = solve_stage(m, d, 2, mu) and tame
-
-    return OK, tame
-
-
 @apart(Tuple((int64, float64))(MODEL, DATA, float64))
 def ros2(m, d, H):
     """Linearly implicit method of order 2: equal inner steps of at most m.step over H (s).
 
-    (1 - g h J) k1 = f(t, x), (1 - g h J) k2 = f(t + h, x + h k1) - 2 k1, x += h (3 k1 + k2) / 2. Where something grows at
-    nearly 1 / (g h), as what is off the constraints does next to a singular position, the matrix is nearly singular: such a
-    step is done with J = 0, of order 2 as well. Returns (status, time reached within H).
+    (1 - g h J) k1 = f(t, x), (1 - g h J) k2 = f(t + h, x + h k1) - 2 k1, x += h (3 k1 + k2) / 2.
+    Returns (status, time reached within H).
     """
     n = m.n_x
     n_step = control.equal_steps(H, m.step[0])
@@ -490,7 +444,6 @@ def ros2(m, d, H):
     for step in range(n_step):
         s = step * h
         keep_x(m, d)
-        tame = True
         failure = evaluate(m, d, s)
 
         if failure == OK:
@@ -499,17 +452,28 @@ def ros2(m, d, H):
 
         if failure == OK:
             linear.factor(d.jacobian, mu, d.lu_real, d.swaps_real, n)
-            failure, tame = find_ros2_stages(m, d, s, h, mu, True)
 
-        if failure == OK and not tame:
-            failure, tame = find_ros2_stages(m, d, s, h, mu, False)
+            for k in range(n):
+                d.stage[k] *= mu
+
+            linear.solve(d.lu_real, d.swaps_real, n, d.stage, 0)
+
+            for k in range(n):
+                d.x[k] = d.x_before[k] + h * d.stage[k]
+
+            failure = evaluate(m, d, s + h)
 
         if failure != OK:
             restore_x(m, d)
             return failure, s
 
         for k in range(n):
-            d.x[k] = d.x_before[k] + 0.5 * h * (3.0 * d.stage[n + k] + d.stage[2 * n + k])
+            d.stage[n + k] = mu * (d.x_rate[k] - 2.0 * d.stage[k])
+
+        linear.solve(d.lu_real, d.swaps_real, n, d.stage, n)
+
+        for k in range(n):
+            d.x[k] = d.x_before[k] + 0.5 * h * (3.0 * d.stage[k] + d.stage[n + k])
 
         failure = control.accept(m, d)
 

