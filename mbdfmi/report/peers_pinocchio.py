@@ -26,7 +26,7 @@ class PinocchioMotion:
     how = (
         "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); Boost's "
         f"adaptive integrators {', '.join(METHODS)}, each at every tolerance, the best of them counting; "
-        "quaternions as coordinates; spring-dampers by external forces"
+        "quaternions as coordinates; spring-dampers by external forces. It has no integrators of its own"
     )
 
     @classmethod

@@ -34,7 +34,8 @@ class SpeedReport:
     """What was measured.
 
     machine, versions, missing : by name.
-    contestants : name -> `how` it was used, whether it is `ours`, and whether it is `packaged`: integrates by itself.
+    contestants : name -> `how` it was used, whether it is `ours`, and whether it is `packaged`: integrates by
+        itself.
     problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points
         (see contests.Point).
     at : error -> problem -> contestant -> CPU seconds, or None where it was not reached.
@@ -63,7 +64,7 @@ class SpeedReport:
 
         Returns the paths.
         """
-        texts = {f"{NAME}.json": json.dumps(self.as_dict(), indent=1) + "\n"}
+        texts = {f"{NAME}.json": json.dumps(self.as_dict()) + "\n"}
         pictures = self._pictures()
         texts[f"{NAME}.md"] = markdown(self, list(pictures))
         written = []
@@ -76,7 +77,7 @@ class SpeedReport:
 
         for name, figure in pictures.items():
             with replacing(Path(folder) / name) as path:
-                figure.savefig(path, format="png", dpi=110)
+                figure.savefig(path, format="png", dpi=95)
 
             written.append(Path(folder) / name)
 
@@ -94,8 +95,9 @@ class SpeedReport:
             return {}
 
     def standing(self, aim: float, problem: str) -> dict:
-        """Who needs how much CPU time for an error: the best (name, s) of `ours`, of the packaged peers (`package`)
-        and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to ours, or None; and `all`.
+        """Who needs how much CPU time for an error: the best (name, s) of `ours`, of the packaged peers
+        (`package`) and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to ours,
+        or None; and `all`.
         """
         times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
         groups = {
@@ -199,7 +201,9 @@ def run_report(
         machine=machine(),
         versions=own_versions() | versions,
         missing=missing | without,
-        contestants={it.name: {"how": it.how, "ours": it.ours, "packaged": it.packaged} for it in contestants},
+        contestants={
+            it.name: {"how": it.how, "ours": it.ours, "packaged": it.packaged} for it in contestants
+        },
         problems=rows,
         at={f"{aim:g}": {row["name"]: _times_at(row, aim) for row in rows} for aim in AIMS},
         evaluation=evaluation,
