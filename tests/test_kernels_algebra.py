@@ -112,8 +112,8 @@ def test_identities_of_the_theory_text(E):
     close(C @ C.T, np.eye(3))
     close(B @ C.T, A)
 
-    # E' = 1/2 B^T w, w = 2 B E', and no change of length
-    rate = np.array(al.E_rate(tuples(E), tuples(w)))
+    # E' = 1/2 B^T w = 1/2 C^T w_p, w = 2 B E', and no change of length
+    rate = np.array(al.E_rate(tuples(E), tuples(A.T @ w)))
     close(rate, B.T @ w / 2)
     close(2 * B @ rate, w)
     close(rate @ E, 0.0)

@@ -268,11 +268,11 @@ def E_matrix(E):
 
 @inlined
 def E_rate(E, w):
-    """E' = 1/2 B^T w, with w (rad/s) in the axes that E is relative to (not those that turn)."""
+    """E' = 1/2 C^T w, with w (rad/s) in the axes that turn."""
     return (
-        0.5 * (E[3] * w[0] + E[2] * w[1] - E[1] * w[2]),
-        0.5 * (-E[2] * w[0] + E[3] * w[1] + E[0] * w[2]),
-        0.5 * (E[1] * w[0] - E[0] * w[1] + E[3] * w[2]),
+        0.5 * (E[3] * w[0] - E[2] * w[1] + E[1] * w[2]),
+        0.5 * (E[2] * w[0] + E[3] * w[1] - E[0] * w[2]),
+        0.5 * (-E[1] * w[0] + E[0] * w[1] + E[3] * w[2]),
         0.5 * (-E[0] * w[0] - E[1] * w[1] - E[2] * w[2]),
     )
 

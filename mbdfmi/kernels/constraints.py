@@ -510,7 +510,7 @@ def respond(m, d):
             F = al.sym3(d.D, i)
             turned = unwhiten(F, al.vec_at(d.white, v))
             turned = al.sub(turned, al.sym_solve(F, al.mat_vec(al.mat3(d.H_a, i), rdd)))
-            al.set_vec_at(d.change, v, al.matT_vec(al.mat3(d.joint_axes, i), al.sub(turned, alpha)))
+            al.set_vec_at(d.change, v, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
             alpha = turned
 
         else:
@@ -519,7 +519,7 @@ def respond(m, d):
             moved = unwhiten(al.sym3(d.D_M, i), al.vec_at(d.white, v))
             moved = al.sub(moved, al.matT_vec(al.mat3(d.N, i), turned))
             al.set_vec_at(d.change, v, al.matT_vec(axes, al.sub(moved, rdd)))
-            al.set_vec_at(d.change, v + 3, al.matT_vec(axes, al.sub(turned, alpha)))
+            al.set_vec_at(d.change, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
             alpha = turned
             rdd = moved
 

@@ -179,9 +179,10 @@ def prescribe(m, d):
             al.set_vec_at(d.x, q, r)
             al.set_E_at(d.x, q + 3, E)
             al.set_vec_at(d.x, v, rd)
-            al.set_vec_at(d.x, v + 3, w)
+            A = al.E_matrix(E)
+            al.set_vec_at(d.x, v + 3, al.matT_vec(A, w))
             al.set_vec_at(d.x_rate, v, rdd)
-            al.set_vec_at(d.x_rate, v + 3, alpha)
+            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(A, alpha))
 
 
 @kernel

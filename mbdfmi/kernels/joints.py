@@ -9,8 +9,8 @@ kind        q                            v
 ==========  ===========================  ====================================
 REVOLUTE    angle about z of F           angular speed
 PRISMATIC   displacement along z of F    speed
-SPHERICAL   E                            angular velocity in F
-FREE        position in F, then E        velocity, angular velocity, both in F
+SPHERICAL   E                            angular velocity in the body's axes
+FREE        position in F, then E        velocity in F, angular velocity in the body's axes
 FIXED       none                         none
 ==========  ===========================  ====================================
 """
@@ -47,7 +47,8 @@ def rotated_about_z(A, angle):
 def move(m, d, i):
     """Pose, velocity and bias of body i from those of its parent and its joint's q, v.
 
-    Writes A, r, w, rd, arm, axis or joint_axes, bias_w, bias_r; all in inertial axes.
+    Writes A, r, w, rd, arm, axis or joint_axes, bias_w, bias_r; all in inertial axes. Angular velocities are coordinates in
+    the body's own axes, in which its inertia does not change: a body that tumbles is a much smoother motion there.
     """
     parent = m.body_parent[i]
     kind = m.body_joint[i]
@@ -90,9 +91,9 @@ def move(m, d, i):
         bias_r = al.cross(w_parent, al.axpy(2.0, rd_rel, spin))
 
     elif kind == SPHERICAL:
-        w_rel = al.mat_vec(F, al.vec_at(d.x, v))
-        al.set_mat3(d.joint_axes, i, F)
-        al.set_mat3(d.A, i, al.mat_mat(F, al.E_matrix(al.E_at(d.x, q))))
+        A = al.mat_mat(F, al.E_matrix(al.E_at(d.x, q)))
+        w_rel = al.mat_vec(A, al.vec_at(d.x, v))
+        al.set_mat3(d.A, i, A)
         al.set_vec3(d.w, i, al.add(w_parent, w_rel))
         al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
         spin = al.cross(w_parent, arm)
@@ -109,10 +110,11 @@ def move(m, d, i):
 
     else:
         rd_rel = al.mat_vec(F, al.vec_at(d.x, v))
-        w_rel = al.mat_vec(F, al.vec_at(d.x, v + 3))
+        A = al.mat_mat(F, al.E_matrix(al.E_at(d.x, q + 3)))
+        w_rel = al.mat_vec(A, al.vec_at(d.x, v + 3))
         arm = al.add(arm, al.mat_vec(F, al.vec_at(d.x, q)))
         al.set_mat3(d.joint_axes, i, F)
-        al.set_mat3(d.A, i, al.mat_mat(F, al.E_matrix(al.E_at(d.x, q + 3))))
+        al.set_mat3(d.A, i, A)
         al.set_vec3(d.w, i, al.add(w_parent, w_rel))
         al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
         spin = al.cross(w_parent, arm)
@@ -151,7 +153,8 @@ def subspace(m, d, i, k):
     if kind == PRISMATIC:
         return (al.ZERO3, al.vec3(d.axis, i))
 
-    F = al.mat3(d.joint_axes, i)
+    slides = kind == FREE and k < 3
+    F = al.mat3(d.joint_axes, i) if slides else al.mat3(d.A, i)
     column = k % 3
     direction = al.ZERO3
 
@@ -162,7 +165,7 @@ def subspace(m, d, i, k):
     else:
         direction = (F[0][2], F[1][2], F[2][2])
 
-    if kind == FREE and k < 3:
+    if slides:
         return (al.ZERO3, direction)
 
     return (direction, al.ZERO3)
@@ -268,7 +271,8 @@ def start(m, d, i):
     if reverse:
         w = al.neg(al.matT_vec(A, w))
         E = al.E_conjugate(E)
+        A = al.transpose(A)
 
     al.set_E_at(d.x, q + k, E)
-    al.set_vec_at(d.x, m.n_q + v + k, w)
+    al.set_vec_at(d.x, m.n_q + v + k, al.matT_vec(A, w))
     return True

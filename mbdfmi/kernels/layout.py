@@ -261,7 +261,7 @@ ARRAYS = (
     Row("rd", "work", 3, "n_body", "m/s, velocity of the origin"),
     Row("arm", "work", 3, "n_body", "m, from the parent's origin"),
     Row("axis", "work", 3, "n_body", "the joint's axis"),
-    Row("joint_axes", "work", 9, "n_body", "joint axes on the parent to O (spherical, free)"),
+    Row("joint_axes", "work", 9, "n_body", "joint axes on the parent to O (free)"),
     Row("bias_w", "work", 3, "n_body", "rad/s2, angular acceleration relative to the parent's at v' = 0"),
     Row("bias_r", "work", 3, "n_body", "m/s2, likewise of the origin, beyond a_parent + alpha_parent x arm"),
     Row("held", "work", 1, "n_body", "1: the joint's acceleration is given, not found"),

@@ -258,7 +258,7 @@ def aba(m, d):
                 add_shifted_wrench(d, parent, arm, moment, force)
 
         elif kind == joints.SPHERICAL:
-            torque = al.mat_vec(al.mat3(d.joint_axes, i), al.vec_at(d.tau, v))
+            torque = al.mat_vec(al.mat3(d.A, i), al.vec_at(d.tau, v))
             effort3 = al.sub(torque, moment)
             F = al.sym_factor(I)
 
@@ -281,7 +281,7 @@ def aba(m, d):
         else:
             F_axes = al.mat3(d.joint_axes, i)
             push = al.mat_vec(F_axes, al.vec_at(d.tau, v))
-            torque = al.mat_vec(F_axes, al.vec_at(d.tau, v + 3))
+            torque = al.mat_vec(al.mat3(d.A, i), al.vec_at(d.tau, v + 3))
             al.set_vec3(d.U_w, i, al.sub(torque, moment))
             al.set_vec3(d.U_r, i, al.sub(push, force))
 
@@ -320,7 +320,7 @@ def aba(m, d):
         elif kind == joints.SPHERICAL:
             left = al.sub(al.vec3(d.effort, i), al.mat_vec(al.mat3(d.H_a, i), rdd))
             turned = al.sym_solve(al.sym3(d.D, i), left)
-            al.set_vec_at(d.x_rate, v, al.matT_vec(al.mat3(d.joint_axes, i), al.sub(turned, alpha)))
+            al.set_vec_at(d.x_rate, v, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
             alpha = turned
 
         else:
@@ -330,7 +330,7 @@ def aba(m, d):
             moved = al.sub(al.sym_solve(al.sym3(d.D_M, i), force), al.matT_vec(N, turned))
             F_axes = al.mat3(d.joint_axes, i)
             al.set_vec_at(d.x_rate, v, al.matT_vec(F_axes, al.sub(moved, rdd)))
-            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(F_axes, al.sub(turned, alpha)))
+            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
             alpha = turned
             rdd = moved
 
