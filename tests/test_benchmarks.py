@@ -51,17 +51,6 @@ def run(record_property):
     return run
 
 
-@pytest.fixture
-def check(record_property):
-    """A function check(error, allowed) that also writes the error down."""
-
-    def check(error, allowed):
-        record_property("error", f"{error:.1e}")
-        assert error < allowed
-
-    return check
-
-
 def error_of(data, found):
     """The largest error of quantities name -> (n,) at the first n times of the reference."""
     wanted = data["column"]

@@ -19,14 +19,3 @@ def no_hang():
     faulthandler.dump_traceback_later(A_HANG, exit=True, file=sys.__stderr__)
     yield
     faulthandler.cancel_dump_traceback_later()
-
-
-@pytest.fixture
-def check(record_property):
-    """A function check(error, allowed) that also writes the error down (pytest --junitxml)."""
-
-    def check(error, allowed):
-        record_property("error", f"{error:.1e}")
-        assert error < allowed
-
-    return check

@@ -6,17 +6,7 @@ Criterion: the angles and rates of its seven bodies, known digits (test set for 
 import numpy as np
 import pytest
 from hard import adaptive, fixed, problem, run, scene_of, solvers
-
-# yaw of each body from the angles of the reference
-YAW = {
-    "K1_OF": ["beta"],
-    "K2_FE": ["beta", "theta"],
-    "K3_BDE": ["gamma"],
-    "K4_EG": ["phi", "delta"],
-    "K5_AG": ["delta"],
-    "K6_HE": ["omega", "epsilon"],
-    "K7_AH": ["epsilon"],
-}
+from test_benchmarks import ANDREWS
 
 
 @solvers(
@@ -31,7 +21,7 @@ def test_squeezer(check, name, solver, allowed):
     y = run(scene_of(data, ["zyx", "omega"]), data["t"], solver)
     errors = []
 
-    for body, parts in YAW.items():
+    for body, parts in ANDREWS.items():
         yaw = sum(data["column"][part] for part in parts)
         rate = sum(data["column"][f"{part}_dot"] for part in parts)
         wrong = (y[f"{body}.zyx"][:, 0] - yaw + np.pi) % (2 * np.pi) - np.pi
