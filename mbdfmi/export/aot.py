@@ -36,6 +36,7 @@ def compile_entries() -> str:
             "NUMBA_CPU_FEATURES": "",
             "NUMBA_OPT": "1",  # zig optimises after linking
             "MBDFMI_CACHE": empty,
+            "MBDFMI_INTERPRETED": "",
             "PYTHONPATH": os.pathsep.join(path for path in sys.path if path),
             "PYTHONHASHSEED": "0",
         }

@@ -1,5 +1,8 @@
 """The kernel language: three decorators, and where compiled kernels are kept.
 
+With `MBDFMI_INTERPRETED=1` in the environment the kernels stay the plain Python that they are written in, for tests and for
+work on them: nothing is compiled, the numbers are those of the compiled ones to rounding.
+
 Rules of the language (they keep the native code free of Python and of allocation, and let the
 kernels be called with symbolic scalars one day):
 
@@ -20,6 +23,10 @@ import numba
 from llvmlite import binding
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
+
+
+INTERPRETED = os.environ.get("MBDFMI_INTERPRETED", "0") not in ("", "0")
+"""Whether kernels run as plain Python in this process."""
 
 
 @cache
@@ -63,12 +70,18 @@ def _numba_cache_here():
 
 def kernel(function):
     """Compile `function` with numba by the rules of the kernel language."""
+    if INTERPRETED:
+        return function
+
     with _numba_cache_here():
         return numba.njit(error_model="numpy", nogil=True, cache=True)(function)
 
 
 def inlined(function):
     """A kernel small enough that a call would cost more than its body: always inlined."""
+    if INTERPRETED:
+        return function
+
     return numba.njit(error_model="numpy", nogil=True, forceinline=True)(function)
 
 
@@ -86,6 +99,9 @@ def apart(signature):
     """
 
     def decorate(function):
+        if INTERPRETED:
+            return function
+
         dispatcher = kernel(function)
         name = f"{function.__module__}.{function.__name__}".replace(".", "_")
         APART[name] = (dispatcher, signature)
