@@ -127,6 +127,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
     if (result != fmi2OK) return result;
 
     c->core->mode = STEP_COMPLETE;
+    instance_warn(c);
     return instance_log(c, fmi2OK, "initialised at t = %.9g s", c->core->start_time);
 }
 

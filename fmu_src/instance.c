@@ -29,7 +29,7 @@ static Category category_of(fmi2Status status)
 fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
 {
     Category category = category_of(status);
-    bool wanted = category == LOG_ERROR || category == LOG_FATAL
+    bool wanted = category == LOG_WARNING || category == LOG_ERROR || category == LOG_FATAL
                   || c->logged[LOG_ALL] || c->logged[category];
 
     if (!wanted || !c->callbacks.logger) return status;
@@ -54,30 +54,78 @@ fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
     return status;
 }
 
-/* Reports what a kernel said; OK when it said nothing. `severity` is that of a failure. */
-static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken,
-                         int64_t status)
+/* Writes a text in which %s stands for the name and each %g for the next of two numbers. The text
+   comes from a file and is never a format. */
+static void fill_in(char *to, size_t size, const char *text, const char *name,
+                    const double numbers[2])
 {
-    if (broken)
-        return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
-    if (status == 0) return fmi2OK;
+    const char *end = to + size - 1;
+    char digits[32];
 
+    for (int k = 0; *text && to < end; ) {
+        const char *word = NULL;
+
+        if (strncmp(text, "%s", 2) == 0) word = name;
+        if (strncmp(text, "%g", 2) == 0 && k < 2) {
+            snprintf(digits, sizeof digits, "%.6g", numbers[k++]);
+            word = digits;
+        }
+        if (!word) {
+            *to++ = *text++;
+            continue;
+        }
+        while (*word && to < end) *to++ = *word++;
+        text += 2;
+    }
+    *to = '\0';
+}
+
+/* Tells what a status means, with up to two numbers for its text. */
+static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int64_t status,
+                       const double numbers[2])
+{
+    char told[768];
     int64_t code = status % 256, place = status/256;
     const Resource *r = &c->resource;
     const char *text = resource_message(r, code);
     const char *name = place >= 0 && place < r->n_places ? r->places[place] : "?";
-    double time = c->state[0];
 
-    if (!text)
-        return instance_log(c, severity, "%s at t = %.9g s: failure %d at %s", doing, time,
-                            (int)code, name);
+    if (text) fill_in(told, sizeof told, text, name, numbers);
+    else snprintf(told, sizeof told, "failure %d at %s", (int)code, name);
+    return instance_log(c, severity, "%s at t = %.9g s: %s", doing, c->state[0], told);
+}
 
-    /* the text may name the place by one %s; it comes from a file and is never a format */
-    const char *gap = strstr(text, "%s");
-    if (!gap)
-        return instance_log(c, severity, "%s at t = %.9g s: %s", doing, time, text);
-    return instance_log(c, severity, "%s at t = %.9g s: %.*s%s%s", doing, time,
-                        (int)(gap - text), text, name, gap + 2);
+/* Tells what a kernel said; OK when it said nothing. `severity` is that of a failure. */
+static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken,
+                         int64_t status)
+{
+    static const double none[2] = {0, 0};
+
+    if (broken)
+        return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
+    return status == 0 ? fmi2OK : tell(c, severity, doing, status, none);
+}
+
+/* Tells the notices of the kernels, once; the state may come from outside. */
+static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
+{
+    double count = c->state[2];
+
+    c->state[2] = 0;
+    for (int k = 0; k < MOST_NOTICES && k < count; k++) {
+        const double *notice = c->state + 3 + 3*k;
+        if (notice[0] > 0 && notice[0] < INT32_MAX)
+            tell(c, severity, doing, (int64_t)notice[0], notice + 1);
+    }
+    if (count > MOST_NOTICES)
+        instance_log(c, severity, "%s: and %.9g more of this kind", doing, count - MOST_NOTICES);
+}
+
+void instance_warn(Instance *c)
+{
+    for (int64_t i = 0; i < c->resource.n_notices; i++)
+        instance_log(c, fmi2Warning, "%s", c->resource.notices[i]);
+    tell_notices(c, fmi2Warning, "initialisation");
 }
 
 /* ---- life ---- */
@@ -171,7 +219,8 @@ fmi2Status instance_prepare(Instance *c)
     int64_t status = 0;
     const int64_t *ints = c->resource.ints;
 
-    if (!c->core->prepared) {
+    /* the start too: prepare clears the notices of an earlier one */
+    if (!c->core->prepared || !c->core->started) {
         int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, ints, c->state,
                                         c->work, c->u);
         fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
@@ -183,7 +232,10 @@ fmi2Status instance_prepare(Instance *c)
         int32_t broken = mbdfmi_initialise(&status, &excinfo, ints, c->reals, ints, c->state,
                                            c->work, c->u, c->core->start_time);
         fmi2Status result = report(c, fmi2Error, "initialisation", broken, status);
-        if (result != fmi2OK) return result;
+        if (result != fmi2OK) {
+            tell_notices(c, fmi2Error, "initialisation");
+            return result;
+        }
         c->core->started = 1;
     }
     return fmi2OK;
@@ -204,15 +256,6 @@ fmi2Status instance_outputs(Instance *c)
     result = report(c, fmi2Error, "outputs", broken, status);
     c->current = result == fmi2OK;
     return result;
-}
-
-/* What the kernels want to have told, once; the state may come from outside. */
-static void tell_notice(Instance *c)
-{
-    double notice = c->state[2];
-
-    c->state[2] = 0;
-    if (notice > 0 && notice < INT32_MAX) report(c, fmi2OK, "step", 0, (int64_t)notice);
 }
 
 /* The inputs are quadratic in time over a step: moves their start to its end. */
@@ -246,7 +289,7 @@ fmi2Status instance_step(Instance *c, double t, double H)
     int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
                                  c->state, c->work, c->u, H);
 
-    tell_notice(c);
+    tell_notices(c, fmi2OK, "step");
     result = report(c, fmi2Discard, "step", broken, status);
     c->current = false;
     if (result == fmi2OK) {

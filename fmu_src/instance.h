@@ -64,12 +64,15 @@ void instance_free(Instance *c);
 /* back to the start: as after instance_create, the log settings apart */
 void instance_reset(Instance *c);
 
-/* Tells the master and returns `status`, so that a refusal is one line. Errors always reach the
-   logger, the rest when its category is switched on. */
+/* Tells the master and returns `status`, so that a refusal is one line. Warnings and errors always
+   reach the logger, the rest when its category is switched on. */
 fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...);
 
 /* Brings the state up to date with the parameters and, before the simulation, the start values. */
 fmi2Status instance_prepare(Instance *c);
+
+/* Tells what is to be known of the model and its start, once the start stands. */
+void instance_warn(Instance *c);
 
 /* Brings y up to date too. */
 fmi2Status instance_outputs(Instance *c);

@@ -6,8 +6,9 @@
 
    ints    structure of the model, read only, shared by everything
    reals   parameters and constants of one instance, SI units
-   state   state of one instance: state[0] is the time (s), state[2] a status to tell in the log
-           (0: none), the rest is the kernels' own, what prepare derives from the parameters too
+   state   state of one instance: state[0] is the time (s), state[2] the number of notices to tell
+           in the log, from state[3] on a status and two numbers for each of the first MOST_NOTICES;
+           the rest is the kernels' own, what prepare derives from the parameters too
    work    scratch, zero at first; work[0] is to be 0 when the state is not that of the last call
    u       3*n_u: values of the inputs, then their first, then their second derivatives
            at the start of the step; those that prescribe a motion are carried to its end
@@ -17,6 +18,9 @@
 #define MBDFMI_KERNELS_H
 
 #include <stdint.h>
+
+#define MOST_NOTICES 16
+#define N_HEAD_OF_STATE (3 + 3*MOST_NOTICES)
 
 /* after any change of a parameter, before anything else uses it */
 int32_t mbdfmi_prepare(int64_t *status, void **excinfo, const int64_t *ints, double *reals,

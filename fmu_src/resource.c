@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "crc32.h"
+#include "kernels.h"
 
 #ifdef _WIN32
 #define WIN32_LEAN_AND_MEAN
@@ -14,7 +15,8 @@
 #endif
 
 #define FILE_NAME "model.bin"
-#define VERSION 2
+#define VERSION 3
+#define N_COUNTS 10
 #define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
 
 static const char MAGIC[8] = "mbdfmi\0\1";
@@ -27,7 +29,7 @@ typedef struct {
 } Head;
 
 typedef struct {
-    int64_t count[9];
+    int64_t count[N_COUNTS];
     char guid[GUID_SIZE];
 } Sizes;
 
@@ -173,17 +175,17 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
     Sizes sizes;
-    int64_t *counts[9] = {&r->n_ints, &r->n_reals, &r->n_state, &r->n_work, &r->n_u, &r->n_y,
-                          &r->n_param, &r->n_places, &r->n_messages};
+    int64_t *counts[N_COUNTS] = {&r->n_ints, &r->n_reals, &r->n_state, &r->n_work, &r->n_u, &r->n_y,
+                                 &r->n_param, &r->n_places, &r->n_messages, &r->n_notices};
 
     memcpy(&sizes, r->data, sizeof sizes);
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < N_COUNTS; i++) {
         if (sizes.count[i] < 0 || sizes.count[i] > MAX_COUNT)
             return fail(why, why_size, "it has an impossible size");
         *counts[i] = sizes.count[i];
     }
-    if (r->n_state < 1)
-        return fail(why, why_size, "it has no room for the time in its state");
+    if (r->n_state < N_HEAD_OF_STATE)
+        return fail(why, why_size, "it has no room for time and notices in its state");
     if (sizes.guid[GUID_SIZE - 1] != '\0')
         return fail(why, why_size, "its GUID is too long");
     memcpy(r->guid, sizes.guid, GUID_SIZE);
@@ -191,7 +193,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     /* numbers: 8 bytes each; strings: at least their NUL */
     int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2*r->n_param;
     int64_t n_names = r->n_u + r->n_y + r->n_param;
-    int64_t n_strings = n_names + r->n_places + 2*r->n_messages;
+    int64_t n_strings = n_names + r->n_places + 2*r->n_messages + r->n_notices;
     int64_t room = (int64_t)(length - sizeof sizes);
 
     if (n_numbers > room/8 || n_strings > room - 8*n_numbers)
@@ -216,6 +218,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
         return fail(why, why_size, "out of memory");
     r->places = r->names + n_names;
     r->messages = r->places + r->n_places;
+    r->notices = r->messages + 2*r->n_messages;
     if (!take_strings(r->names, n_strings, &text, end) || text != end)
         return fail(why, why_size, "its names do not agree with its length");
     return true;

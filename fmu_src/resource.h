@@ -1,14 +1,14 @@
 /* The model that an instance is made of, read from resources/model.bin.
 
    The file, little endian:
-     char magic[8] "mbdfmi\0\1"; uint32 version 2
+     char magic[8] "mbdfmi\0\1"; uint32 version 3
      uint32 crc32 and uint64 length of all that follows
-     int64 n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages
+     int64 n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages, n_notices
      char guid[64]
      int64 ints[n_ints]; double reals[n_reals]; double u_start[n_u]
      int64 param_index[n_param]; int64 param_tunable[n_param]
-     NUL-terminated UTF-8: names of the n_u + n_y + n_param variables, n_places places, and for
-     each of the n_messages messages its code in decimal and its text
+     NUL-terminated UTF-8: names of the n_u + n_y + n_param variables, n_places places, for each
+     of the n_messages messages its code in decimal and its text, n_notices notices
 */
 #ifndef MBDFMI_RESOURCE_H
 #define MBDFMI_RESOURCE_H
@@ -20,7 +20,8 @@
 #define GUID_SIZE 64
 
 typedef struct {
-    int64_t n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages;
+    int64_t n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages,
+            n_notices;
     char guid[GUID_SIZE];             /* NUL-padded, and NUL-terminated */
 
     const int64_t *ints;
@@ -32,6 +33,7 @@ typedef struct {
     const char **names;               /* of the variables, by value reference */
     const char **places;
     const char **messages;            /* 2*n_messages: code, text, code, text ... */
+    const char **notices;             /* what to warn of when an instance starts */
 
     unsigned char *data;              /* owns what the pointers above point to */
 } Resource;

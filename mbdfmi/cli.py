@@ -383,8 +383,7 @@ def _simulate(options):
 
 def _show(results, csv, plot):
     """Results to files, or a summary to the screen; what the solver had to say of them."""
-    for notice in results.notices:
-        err.print(f"note: {notice}", soft_wrap=True)
+    _note(results.notices)
 
     if csv:
         out.print(str(results.to_csv(csv)), soft_wrap=True)
@@ -394,6 +393,11 @@ def _show(results, csv, plot):
 
     if not (csv or plot):
         _print_summary(results)
+
+
+def _note(notices):
+    for notice in notices:
+        err.print(f"note: {notice}", soft_wrap=True)
 
 
 @contextmanager
@@ -482,7 +486,7 @@ def _info(options):
     n_parts = len({node for node, _ in model.tree.home.values() if node})
     bodies = _count(len(scene.body), "body", "bodies")
     bodies += f" in {_count(n_parts, 'rigid part')}" if n_parts < len(scene.body) else ""
-    found = _structure(options.scene, scene)
+    found, notices = _structure(options.scene, scene, model)
     out.print(f"{bodies}, {_count(found.freedom, 'degree')} of freedom" if found else bodies)
     out.print(", ".join(_count(len(variables), causality) for causality, variables in of.items()))
     central = scene.central_gravity
@@ -517,16 +521,19 @@ def _info(options):
     for causality in ("input", "output", "parameter")[: 3 if options.parameters else 2]:
         _print_variables(causality, of[causality])
 
+    _note(notices)
 
-def _structure(path, scene):
-    """The scene's Structure; None, and why, where its loops cannot be closed."""
-    from .simulate import SimulationError
+
+def _structure(path, scene, model):
+    """The scene's Structure, and notices of its start; None, and why, where its loops cannot be closed."""
+    from .simulate import Instance, SimulationError
 
     with _doing_first(f"{path}: looking at its freedoms"):
         try:
-            return scene.structure()
+            return scene.structure(), Instance(model).notices
         except SimulationError as error:
             err.print(f"{path}: its freedoms cannot be counted: {error}", soft_wrap=True)
+            return None, model.notices
 
 
 @contextmanager
@@ -624,6 +631,7 @@ def _check_scene(path):
         instance.outputs()
         instance.step(1e-3)
 
+    _note(instance.notices)
     return ""
 
 

@@ -405,4 +405,4 @@ def _results(model, scene, joints, times, columns):
         found[name] = column
         units[name] = v.unit
 
-    return Results(found, units, f"{model.title}: efforts")
+    return Results(found, units, f"{model.title}: efforts", model.notices)

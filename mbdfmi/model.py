@@ -35,6 +35,7 @@ class Model:
     places : names that a kernel's status can point to: the nodes of the tree, then the constraints.
     tree : nodes, and where the bodies are in them.
     guid : hash of all that a simulation depends on.
+    notices : what a user should be told of the scene, and of what was made of it.
     """
 
     scene: Scene
@@ -52,6 +53,7 @@ class Model:
     places: list[str]
     tree: Tree
     guid: str
+    notices: list[str]
 
     def __getattr__(self, name):
         """Counts of the layout table by name, e.g. `model.n_v`."""
@@ -154,6 +156,7 @@ def _assemble(builder):
         places=places,
         tree=builder.tree,
         guid=_guid(buffers, variables, places),
+        notices=scene.notices + [str(notice) for notice in builder.notices],
     )
 
 

@@ -14,7 +14,8 @@ class Results(Mapping):
     """Columns (numpy arrays, one value a row) by variable name; "time" (s) comes first.
 
     units : unit of each column by name, None for those without.
-    notices : what the solver had to say of the run, with times, as that the motion became stiff.
+    notices : what a user should be told: what is odd in the scene, what of its start could not be kept, and, with times, what
+        happened in the run, as that the motion became stiff.
     """
 
     def __init__(

@@ -1,12 +1,13 @@
 """In-process runs: the same kernels as in an FMU, called as an FMU's master would."""
 
+import re
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 
 import numpy as np
 
 from .kernels import entry
-from .kernels.status import MESSAGES, OK
+from .kernels.status import MESSAGES, MOST_NOTICES, OK
 from .kernels.views import DataView, ModelView
 from .model import Model
 from .results import Results
@@ -27,8 +28,8 @@ class Instance:
     """One run of a model, to be driven step by step.
 
     m, d : the kernels' views of it; u : inputs (n_u,), their first and second derivatives; y : outputs (n_y,) after
-    `outputs`. notices : what the solver wanted to have told, with the time. The run begins with the inputs' start values, or with
-    `inputs` (position in u -> value).
+    `outputs`. notices : what a user should be told: of the scene, of its start, and, with the time, of the run. The run begins
+    with the inputs' start values, or with `inputs` (position in u -> value).
     """
 
     def __init__(
@@ -39,7 +40,7 @@ class Instance:
         inputs: Mapping[int, float] | None = None,
     ):
         self.model = model
-        self.notices = []
+        self.notices = list(model.notices)
         self.reals = model.reals.copy()
         self.u = np.zeros(3 * max(1, model.n_u))
         self.y = np.zeros(model.n_y)
@@ -56,7 +57,10 @@ class Instance:
             self.reals[_known(name, by_name, "parameter").index] = value
 
         self.prepare()
-        self._check(entry.initialise(self.m, self.d, start_time))
+        status = entry.initialise(self.m, self.d, start_time)
+        told = self._take_notices()
+        self.notices += told
+        self._check(status, told)
 
     def prepare(self):
         """To be called after `reals` was changed. Raises SimulationError."""
@@ -70,28 +74,35 @@ class Instance:
     def step(self, H: float):
         """Advance by H (s) with the inputs in `u`. Raises SimulationError."""
         status = entry.step(self.m, self.d, H)
-
-        if self.d.notice[0]:
-            self.notices.append(f"{explain(self.model, int(self.d.notice[0]))} (time {self.time:.9g} s)")
-            self.d.notice[0] = 0.0
-
-        self._check(status)
+        told = self._take_notices()
+        self.notices += [f"{text} (time {self.time:.9g} s)" for text in told]
+        self._check(status, told)
 
     def outputs(self) -> np.ndarray:
         """Outputs (n_y,) now, a view that the next call overwrites. Raises SimulationError."""
         self._check(entry.compute_outputs(self.m, self.d, self.y))
         return self.y
 
-    def _check(self, status):
+    def _take_notices(self):
+        """The kernels' notices (kernels/status.py) in words; they are told then."""
+        n = int(self.d.notices[0])
+        rows = self.d.notice.reshape(-1, 3)[:n]
+        self.d.notices[0] = 0.0
+        texts = [explain(self.model, int(status), numbers) for status, *numbers in rows]
+        return [*texts, f"and {n - MOST_NOTICES} more of this kind"] if n > MOST_NOTICES else texts
+
+    def _check(self, status, told=()):
         if status != OK:
-            raise SimulationError(f"{explain(self.model, status)} (time {self.time:.9g} s)", self.time)
+            text = "; ".join([explain(self.model, status), *told])
+            raise SimulationError(f"{text} (time {self.time:.9g} s)", self.time)
 
 
-def explain(model: Model, status: int) -> str:
-    """A kernel's status in words."""
+def explain(model: Model, status: int, numbers=()) -> str:
+    """A kernel's status in words, `%s` being the place and `%g` the numbers."""
     code, place = status % 256, status // 256
-    text = MESSAGES[code]
-    return text % model.places[place] if "%s" in text else text
+    numbers = iter(numbers)
+    words = {"%s": lambda: model.places[place], "%g": lambda: f"{next(numbers):.6g}"}
+    return re.sub("%[sg]", lambda found: words[found[0]](), MESSAGES[code])
 
 
 def simulate(

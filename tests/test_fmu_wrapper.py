@@ -727,7 +727,7 @@ def test_damaged_resources_are_refused(arm_library, tmp_path):
 
 
 @pytest.mark.parametrize("value", [-1, 0, 1, 10**6, 2**31, 2**40, 2**62, -(2**63)])
-@pytest.mark.parametrize("count", range(9))
+@pytest.mark.parametrize("count", range(10))
 def test_contradicting_resources_are_refused(arm_library, tmp_path, count, value):
     """A right checksum over wrong sizes: refused, or (sizes of memory) harmless, never a crash."""
     data = resource_of(arm_library)

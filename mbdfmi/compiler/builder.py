@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels import coordinates, layout, outputs
 from ..kernels.joints import KINDS, N_Q, N_V
-from ..scene import Scene
+from ..scene import Problem, Scene
 from ..topology import Tree, axes_with_z, chain
 from ..variables import Variable, subscripts
 
@@ -35,6 +35,7 @@ class Builder:
     drive_of : node -> its drive; driven_cuts : joint outside the tree -> its drive.
     joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
+    notices : what a user should be told of what was made of the scene.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     """
 
@@ -54,6 +55,7 @@ class Builder:
         self.joint_constraints = {}
         self.drive_of = {}
         self.driven_cuts = {}
+        self.notices = []
         self.reactions = []
         self.torque_inputs = {}
         self._markers = {}
@@ -77,6 +79,10 @@ class Builder:
 
         for nodes in self.joint_nodes.values():
             nodes.sort(key=lambda i: self.nodes[i].coordinate)
+
+    def notice(self, path, text):
+        """Something that a user should be told: path of keys into the scene, as of a `Problem`, and what was done there."""
+        self.notices.append(Problem(path, text))
 
     # structure
 

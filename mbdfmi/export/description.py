@@ -13,7 +13,7 @@ from ..units import UNITS
 
 LOG_CATEGORIES = {
     "logEvents": "Life of the instance: initialisation, reset, termination",
-    "logStatusWarning": "Messages of calls that return fmi2Warning",
+    "logStatusWarning": "What to know of the model and its start (always sent)",
     "logStatusDiscard": "Messages of calls that return fmi2Discard",
     "logStatusError": "Messages of calls that return fmi2Error (always sent)",
     "logStatusFatal": "Messages of calls that return fmi2Fatal (always sent)",

@@ -8,7 +8,7 @@ import numpy as np
 NAME = "model.bin"
 
 _MAGIC = b"mbdfmi\0\1"
-_VERSION = 2
+_VERSION = 3
 
 
 def resource(model, messages: dict[int, str]) -> bytes:
@@ -27,13 +27,14 @@ def resource(model, messages: dict[int, str]) -> bytes:
     strings = [*names, *model.places]
     for code, text in messages.items():
         strings += [str(code), text]
+    strings += model.notices
 
     counts = [
         len(model.ints), len(model.reals), model.n_state, model.n_work, model.n_u, model.n_y,
-        len(parameters), len(model.places), len(messages),
+        len(parameters), len(model.places), len(messages), len(model.notices),
     ]  # fmt: skip
 
-    body = struct.pack("<9q", *counts)
+    body = struct.pack("<10q", *counts)
     body += model.guid.encode().ljust(64, b"\0")
     body += np.asarray(model.ints, dtype="<i8").tobytes()
     body += np.asarray(model.reals, dtype="<f8").tobytes()

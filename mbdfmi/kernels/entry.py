@@ -32,7 +32,6 @@ def initialise(m, d, t0):
     d.time[1] = 0.0
     d.now[0] = t0
     d.start_time[0] = t0
-    d.notice[0] = 0.0
     integrate.start(m, d)
 
     for i in range(1, m.n_body):

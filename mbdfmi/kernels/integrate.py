@@ -8,7 +8,7 @@ next, rates, a Jacobian) stands in the state: a restored run goes on to the same
 from . import control, drives, explicit, gauss, implicit
 from .language import inlined, kernel
 from .project import keep_x, restore_x
-from .status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status
+from .status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
 from .tableaux import N_DENSE, PAIR_54, PAIR_853
 
 RK54 = PAIR_54
@@ -157,11 +157,11 @@ def change_method(m, d):
     if d.method[0] == RADAU:
         d.method[0] = RK853
         d.next_step[RK853] = 0.0
-        d.notice[0] = status(NOT_STIFF, 0)
+        tell(d, status(NOT_STIFF, 0), 0.0, 0.0)
     else:
         d.radau_step[0] = d.next_step[pair_in_use(d)]
         d.method[0] = RADAU
-        d.notice[0] = status(STIFF, 0)
+        tell(d, status(STIFF, 0), 0.0, 0.0)
 
 
 @kernel

@@ -12,6 +12,7 @@ axes and taken about the origin of their body.
 
 from typing import NamedTuple
 
+from .status import MOST_NOTICES
 from .tableaux import N_STAGE
 
 COUNTS = (
@@ -212,7 +213,8 @@ ARRAYS = (
     Row("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
     # state
     Row("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
-    Row("notice", "state", 1, 1, "a status to tell in the log, 0: none; stays at this place, for the wrapper reads it"),
+    Row("notices", "state", 1, 1, "notices not told yet (status.py); these two stay at this place, for the wrapper reads them"),
+    Row("notice", "state", 3, MOST_NOTICES, "status and two numbers of each"),
     Row("start_time", "state", 1, 1, "s"),
     Row("next_step", "state", 2, 1, "s, the step that each explicit pair tries next, 0: none yet"),
     Row("radau_step", "state", 1, 1, "s, likewise of Radau's method"),

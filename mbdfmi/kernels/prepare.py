@@ -52,6 +52,7 @@ def add_added_mass(m, d, k):
 def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    d.notices[0] = 0.0
     control.forget(d)
     d.jacobian_known[0] = 0.0
 

@@ -1,9 +1,18 @@
 """Status of a kernel: 0, or a code and the place (a body or joint) where it happened.
 
 A status is code + 256 * place; `place` indexes `Model.places`.
+
+What is no failure but must be told (a start that was moved, the motion became stiff) is a *notice*: a kernel calls
+`tell(d, status(CODE, place), a, b)` and gives the code a text in MESSAGES, in which `%s` stands for the name of the place and
+each `%g` for the next of the numbers a, b. Whoever calls the kernels tells and clears them after `initialise` and after every
+step: `Instance.notices` and `Results.notices` in process, a warning (at the start) or an event (later) in the log of an FMU.
+`prepare` clears those that nobody asked for. Told before a failure, they belong to its message. What is known without a
+kernel is told by `scene/notices.py` (of what is written) or `Builder.notice` (of what the compiler did with it).
 """
 
 from .language import inlined
+
+MOST_NOTICES = 16  # that are kept for the next to ask; more are only counted
 
 OK = 0
 NOT_FINITE = 1
@@ -45,3 +54,16 @@ MESSAGES = {
 def status(code, place):
     """Status of a failure `code` at `place`."""
     return code + 256 * place
+
+
+@inlined
+def tell(d, told, a, b):
+    """Adds a notice: a status, and two numbers for its text."""
+    k = int(d.notices[0])
+
+    if 0 <= k < MOST_NOTICES:
+        d.notice[3 * k] = told
+        d.notice[3 * k + 1] = a
+        d.notice[3 * k + 2] = b
+
+    d.notices[0] = k + 1

@@ -13,6 +13,7 @@ from .joints import Joint
 from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
+from .notices import notices
 from .writer import toml_text
 
 
@@ -153,6 +154,11 @@ class Scene(Part):
         if problems:
             raise SceneError(sorted(problems, key=lambda problem: _order(problem.path, data)))
         return scene
+
+    @property
+    def notices(self):
+        """What is odd in the scene but may be meant (list of str): see scene/notices.py."""
+        return [str(notice) for notice in notices(self)]
 
     def marker_pose(self, end):
         """Where an end ("body", "body.marker", "ground", "ground.marker", "inertial") is.
