@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .compiler.absolute import add_absolute_starts, start_motion
-from .compiler.bodies import add_bodies, add_markers, add_measures, add_scene_outputs, add_settings
+from .compiler.bodies import add_bodies, add_ground_outputs, add_markers, add_measures, add_scene_outputs, add_settings
 from .compiler.builder import Builder
 from .compiler.constraints import add_constraints
 from .compiler.contacts import add_contacts
-from .compiler.drives import add_drives
+from .compiler.drives import add_coupling_outputs, add_drives
 from .compiler.forces import add_forces
 from .compiler.joints import add_joints
 from .compiler.reactions import add_reactions
@@ -93,8 +93,10 @@ def _compile(scene, tree, formulation, motion=None):
     add_forces(builder)
     add_constraints(builder)
     add_reactions(builder)
+    add_coupling_outputs(builder)
     add_markers(builder)
     add_measures(builder)
+    add_ground_outputs(builder)
     add_scene_outputs(builder)
     return _assemble(builder)
 

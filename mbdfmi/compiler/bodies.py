@@ -12,6 +12,7 @@ MARKER_OUTPUTS = {
     "velocity": (outputs.VELOCITY, "m/s", "velocity in the inertial frame"),
     "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters in the inertial frame, scalar last"),
     "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll in the inertial frame"),
+    "zyx_rate": (outputs.ZYX_RATE, "rad/s", "rates of yaw, pitch, roll in the inertial frame"),
     "omega": (outputs.OMEGA, "rad/s", "angular velocity in the inertial frame"),
     "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration in the inertial frame"),
     "alpha": (outputs.ALPHA, "rad/s2", "angular acceleration in the inertial frame"),
@@ -29,7 +30,12 @@ MEASURES = {
     "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration"),
     "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters, scalar last,"),
     "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll"),
+    "zyx_rate": (outputs.ZYX_RATE, "rad/s", "rates of yaw, pitch, roll"),
     "omega": (outputs.OMEGA, "rad/s", "angular velocity"),
+}
+GROUND_OUTPUTS = {
+    "reaction_force": (outputs.GROUND_FORCE, "N", "force"),
+    "reaction_moment": (outputs.GROUND_MOMENT, "N.m", "moment about its origin"),
 }
 SCENE_OUTPUTS = {
     "kinetic_energy": (outputs.KINETIC_ENERGY, "J", "kinetic energy"),
@@ -44,6 +50,10 @@ SCENE_OUTPUTS = {
         "angular momentum about the inertial origin, that of added mass included",
     ),
     "center_of_mass": (outputs.CENTER_OF_MASS, "m", "centre of mass of the bodies that move"),
+    "input_power": (outputs.INPUTS_POWER, "W", "power of all inputs that are efforts, forces or moments"),
+    "load_power": (outputs.LOADS_POWER, "W", "power of all loads"),
+    "driver_power": (outputs.DRIVES_POWER, "W", "power of all drivers and of what moves the ground"),
+    "dissipated_power": (outputs.DISSIPATED_POWER, "W", "power lost in dampers, friction, stops and damping"),
     "constraint_gap": (outputs.CONSTRAINT_GAP, None, "largest error of the constraints' positions (m, rad)"),
     "constraint_rate": (outputs.CONSTRAINT_RATE, None, "largest error of the constraints' velocities (m/s, rad/s)"),
 }
@@ -185,7 +195,39 @@ def add_scene_outputs(builder):
             continue
 
         kind, unit, about = SCENE_OUTPUTS[output]
-        builder.add_outputs(output, kind, unit, about, np.arange(len(builder.nodes)).tolist())
+        nodes = range(len(builder.nodes))
+        fed_by = ()
+
+        if output == "driver_power":
+            nodes = [*builder.drive_of, *(i for joint in builder.driven_cuts for i in builder.nodes_of(joint))]
+        elif output == "input_power":
+            fed_by = [k for k, (_, _, moves) in enumerate(builder.inputs) if not moves]
+
+        builder.add_outputs(output, kind, unit, about, nodes, fed_by=fed_by)
+
+
+def add_ground_outputs(builder):
+    """What the ground bears."""
+    for output in builder.scene.ground.output:
+        kind, unit, about = GROUND_OUTPUTS[output]
+        about = f"{about} with which all joints and forces act on the ground, in its axes"
+        nodes, fed_by = _on_ground(builder)
+        builder.add_outputs(dotted("ground", output), kind, unit, about, nodes, builder.tree.home["ground"][0], fed_by=fed_by)
+
+
+def _on_ground(builder):
+    """Nodes whose accelerations the ground feels, and positions in u of inputs that it feels itself."""
+    ground = builder.tree.home["ground"][0]
+
+    if ground > 0:
+        return [ground], []
+
+    nodes = [i for i, node in enumerate(builder.nodes) if node.parent == 0 and node.kind != "free"]
+    nodes += [i for group in builder.constraint_nodes if 0 in group for i in group]
+    struts = builder.tables["n_strut"].columns
+    ends = zip(*(struts.get(name, ()) for name in ("strut_u", "strut_from", "strut_to")))
+    fed_by = [int(u[0]) for u, *markers in ends if 0 in [builder.marker_node(int(k[0])) for k in markers]]
+    return nodes, fed_by
 
 
 def _add_multipliers(builder):

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..kernels import drives, rows, tables
+from ..kernels import drives, outputs, rows, tables
 from ..variables import dotted
 from .joints import COORDINATES
 from .start import start_coordinate
@@ -157,6 +157,26 @@ def coupling_constraints(builder):
             constraints.append(_coordinate_row(builder, name, pair, (1.0, -joint.pitch / (2 * np.pi)), 0.0))
 
     return constraints
+
+
+COUPLING_UNITS = {"revolute": "N.m", "prismatic": "N"}
+
+
+def add_coupling_outputs(builder):
+    """Efforts of couplings in their two joints, once the rows are known."""
+    columns = builder.tables["n_constraint"].columns
+
+    for name, coupling in builder.scene.coupling.items():
+        for output in coupling.output:
+            c = next(c for c, owner in enumerate(builder.constraint_names) if owner == name)
+            row = int(columns["constraint_row"][c][0])
+
+            for side, joint in enumerate(coupling.between):
+                unit = COUPLING_UNITS[builder.scene.joint[joint].kind]
+                about = f"effort of {name} on the second marker of {joint}"
+                variable = f"{dotted(name, output)}[{side + 1}]"
+                nodes = builder.constraint_nodes[c]
+                builder.add_outputs(variable, outputs.COUPLING_EFFORT, unit, about, nodes, row, side)
 
 
 def _coordinate_row(builder, name, pair, factors, offset, drive=-1):

@@ -13,6 +13,19 @@ STRUT_OUTPUTS = {
     "length": (outputs.STRUT_LENGTH, "m", "length"),
     "rate": (outputs.STRUT_RATE, "m/s", "rate of the length"),
     "force": (outputs.STRUT_FORCE, "N", "tension"),
+    "tension": (outputs.STRUT_FORCE, "N", "tension"),
+    "spring_force": (outputs.STRUT_SPRING, "N", "tension of the spring"),
+    "damper_force": (outputs.STRUT_DAMPER, "N", "tension of the damper"),
+    "input_force": (outputs.STRUT_INPUT, "N", "tension that the input gives"),
+    "power": (outputs.STRUT_POWER, "W", "power on the bodies"),
+}
+FED_BY_INPUT = ("tension", "input_force", "power")
+LINEAR_OUTPUTS = {
+    "force": (outputs.LINEAR_FORCE, "N", "force on the second marker, in the first one's axes"),
+    "moment": (outputs.LINEAR_MOMENT, "N.m", "moment on the second marker about its origin, in the first one's axes"),
+    "displacement": (outputs.POSITION, "m", "position of the second marker in the first"),
+    "rotation": (outputs.LINEAR_ROTATION, "rad", "angles rx, ry, rz of the second marker from the first"),
+    "power": (outputs.LINEAR_POWER, "W", "power on the bodies"),
 }
 
 
@@ -23,11 +36,18 @@ def add_forces(builder):
 
         if force.kind == "linear":
             spec = force.linear
-            _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector())
+            row = _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector())
+            _add_linear_outputs(builder, name, force, row, *ends)
         elif force.kind == "bushing":
-            _add_linear(builder, name, force.bushing, ends, np.zeros((6, 6)), np.zeros(6))
+            row = _add_linear(builder, name, force.bushing, ends, np.zeros((6, 6)), np.zeros(6))
+            _add_linear_outputs(builder, name, force, row, *ends)
         elif force.kind == "load":
-            _add_load(builder, name, force.load, *ends)
+            row = _add_load(builder, name, force.load, *ends)
+            nodes = [builder.node_of(force.on)]
+
+            for output in force.output:
+                about = f"power of {name} on the bodies"
+                builder.add_outputs(dotted(name, output), outputs.LOAD_POWER, "W", about, nodes, row)
         else:
             _add_strut(builder, name, force, ends)
 
@@ -78,12 +98,12 @@ def _add_strut(builder, name, force, ends):
 
     for output in force.output:
         kind, unit, about = STRUT_OUTPUTS[output]
-        fed_by = [u] if output == "force" and force.input else []
+        fed_by = [u] if output in FED_BY_INPUT and force.input else []
         builder.add_outputs(dotted(name, output), kind, unit, f"{about} of {name}", nodes, row, fed_by=fed_by)
 
 
 def _add_linear(builder, name, spec, ends, added, preload):
-    """A 6x6 force."""
+    """A 6x6 force; returns its row."""
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
     row = builder.tables["n_linear"].add(
@@ -113,9 +133,20 @@ def _add_linear(builder, name, spec, ends, added, preload):
             dotted(name, "preload"), "linear_preload", row, preload, ["N"] * 3 + ["N.m"] * 3, about
         )
 
+    return row
+
+
+def _add_linear_outputs(builder, name, force, row, first, second):
+    nodes = [builder.node_of(end) for end in force.between]
+
+    for output in force.output:
+        kind, unit, about = LINEAR_OUTPUTS[output]
+        pair = (first, second) if output == "displacement" else (row,)
+        builder.add_outputs(dotted(name, output), kind, unit, f"{name}: {about}", nodes, *pair)
+
 
 def _add_load(builder, name, spec, marker):
-    """A wrench on a marker, constant or over time."""
+    """A wrench on a marker, constant or over time; returns its row."""
     force, moment = spec.force_vector(), spec.moment_vector()
     tables = {"force": -1, "moment": -1}
 
@@ -139,6 +170,8 @@ def _add_load(builder, name, spec, marker):
         if getattr(spec, quantity) is not None:
             about = f"{quantity} of {name}, in {'its own' if spec.axes == 'body' else 'inertial'} axes"
             builder.add_parameters(dotted(name, quantity), f"load_{quantity}", row, value, unit, about)
+
+    return row
 
 
 def _vector_tables(builder, time, vectors):

@@ -36,8 +36,17 @@ POSE_OUTPUTS = {
     "velocity": (outputs.VELOCITY, "m/s", "velocity"),
     "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters, scalar last,"),
     "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll"),
+    "zyx_rate": (outputs.ZYX_RATE, "rad/s", "rates of yaw, pitch, roll"),
     "omega": (outputs.OMEGA, "rad/s", "angular velocity"),
     "alpha": (outputs.ALPHA, "rad/s2", "angular acceleration"),
+}
+EFFORTS = {
+    # name: (kind, what it is of)
+    "spring_effort": (outputs.SPRING_EFFORT, "spring"),
+    "damper_effort": (outputs.DAMPER_EFFORT, "damper"),
+    "friction_effort": (outputs.FRICTION_EFFORT, "friction"),
+    "stop_effort": (outputs.STOP_EFFORT, "stop"),
+    "input_effort": (outputs.INPUT_EFFORT, "input"),
 }
 
 
@@ -49,17 +58,19 @@ def add_joints(builder):
         if name in builder.joint_nodes:
             _add_start(builder, name, joint)
 
+        parts = {}
+
         if joint.spring or joint.damper:
-            _add_spring(builder, name, joint)
+            parts["spring"] = parts["damper"] = _add_spring(builder, name, joint)
 
         if joint.friction:
-            _add_friction(builder, name, joint)
+            parts["friction"] = _add_friction(builder, name, joint)
 
         if joint.stop:
-            _add_stop(builder, name, joint)
+            parts["stop"] = _add_stop(builder, name, joint)
 
-        _add_inputs(builder, name, joint)
-        _add_outputs(builder, name, joint)
+        fed_by = _add_inputs(builder, name, joint, parts)
+        _add_outputs(builder, name, joint, parts, fed_by)
 
 
 def _add_start(builder, name, joint):
@@ -109,7 +120,7 @@ def _add_pose_start(builder, name, joint, i, q, v):
 
 
 def _add_spring(builder, name, joint):
-    """Spring and damper in a joint of one degree of freedom."""
+    """Spring and damper in a joint of one degree of freedom; returns their row."""
     unit = COORDINATES[joint.kind][0][2]
     effort = "N.m" if unit == "rad" else "N"
     linear = joint.spring and joint.spring.table is None
@@ -143,9 +154,11 @@ def _add_spring(builder, name, joint):
         about = f"damping of {name}"
         builder.add_parameters(dotted(name, "damper"), "joint_damping", row, damping, f"{effort}.s/{unit}", about)
 
+    return row
+
 
 def _add_friction(builder, name, joint):
-    """Dry friction in a joint of one degree of freedom."""
+    """Dry friction in a joint of one degree of freedom; returns its row."""
     unit = COORDINATES[joint.kind][0][2]
     effort = "N.m" if unit == "rad" else "N"
     friction = joint.friction
@@ -165,9 +178,11 @@ def _add_friction(builder, name, joint):
         array = f"friction_{key.removesuffix('_speed')}"
         builder.add_parameters(dotted(name, "friction", key), array, row, value, unit, f"friction of {name}: {about}")
 
+    return row
+
 
 def _add_stop(builder, name, joint):
-    """Bump stops of a joint of one degree of freedom."""
+    """Bump stops of a joint of one degree of freedom; returns their row."""
     unit = COORDINATES[joint.kind][0][2]
     effort = "N.m" if unit == "rad" else "N"
     stop = joint.stop
@@ -185,9 +200,13 @@ def _add_stop(builder, name, joint):
         if np.isfinite(value):
             builder.add_parameters(dotted(name, "stop", key), f"stop_{key}", row, value, unit, f"stop of {name}: {about}")
 
+    return row
 
-def _add_inputs(builder, name, joint):
-    """Efforts that come from outside."""
+
+def _add_inputs(builder, name, joint, parts):
+    """Efforts that come from outside; the last one's row into `parts`. Returns the inputs' positions in u."""
+    fed_by = []
+
     for quantity in [joint.input] if isinstance(joint.input, str) else joint.input or []:
         unit = "N.m" if quantity == "torque" else "N"
         about = f"{quantity} of {name} on its second marker"
@@ -204,10 +223,13 @@ def _add_inputs(builder, name, joint):
         u = builder.add_inputs(variable, (), unit, about, builder.nodes_of(name))
         along = "rad" if quantity == "torque" else "m"
         k = [coordinate[2] for coordinate in COORDINATES[joint.kind]].index(along)
-        builder.tables["n_effort_input"].add(effort_coordinate=builder.coordinate(name, k), effort_u=u)
+        parts["input"] = builder.tables["n_effort_input"].add(effort_coordinate=builder.coordinate(name, k), effort_u=u)
+        fed_by.append(u)
+
+    return fed_by
 
 
-def _add_outputs(builder, name, joint):
+def _add_outputs(builder, name, joint, parts, fed_by):
     nodes = builder.nodes_of(name)
 
     for output in joint.output:
@@ -221,6 +243,21 @@ def _add_outputs(builder, name, joint):
             axes = ("its first marker's axes", "that marker's axes")[side]
             about = f"{about} that {name} passes on to its second marker, in {axes}"
             builder.add_outputs(dotted(name, output), kind, unit, about, nodes, builder.reaction(name), side)
+            continue
+
+        if output in EFFORTS:
+            kind, part = EFFORTS[output]
+            unit = "N.m" if joint.kind == "revolute" else "N"
+            about = f"effort of the {part} of {name}, on its second marker"
+            builder.add_outputs(
+                dotted(name, output), kind, unit, about, nodes, parts[part], fed_by=fed_by if part == "input" else ()
+            )
+            continue
+
+        if output == "power":
+            kind = outputs.DRIVEN_JOINT_POWER if joint.driver else outputs.JOINT_POWER
+            about = f"power with which all that acts in {name} works on the bodies"
+            builder.add_outputs(dotted(name, output), kind, "W", about, nodes, builder.coordinate(name), fed_by=fed_by)
             continue
 
         if joint.kind in POSES:
@@ -243,6 +280,7 @@ def _add_coordinate_outputs(builder, name, output, names, nodes):
             speed: (outputs.RATE, f"{unit}/s"),
             "acceleration": (outputs.ACCELERATION, f"{unit}/s2"),
             "effort": (outputs.DRIVE_EFFORT, "N.m" if unit == "rad" else "N"),
+            "driver_effort": (outputs.DRIVE_EFFORT, "N.m" if unit == "rad" else "N"),
         }
 
         if output in kinds:

@@ -75,6 +75,16 @@ def stop_effort(m, k, x, rate):
     return 0.0
 
 
+@inlined
+def joint_spring_efforts(m, d, k):
+    """Efforts (N m or N) of joint spring k and of its damper along their coordinate."""
+    c = m.joint_spring_coordinate[k]
+    x = coordinates.value(m, d, c)
+    spring = spring_effort(m, m.joint_spring_table[k], m.joint_stiffness[k], m.joint_rest[k], x)
+    damper = damper_effort(m, m.joint_damper_table[k], m.joint_damping[k], coordinates.rate(m, d, c))
+    return -spring, -damper
+
+
 # between markers
 
 
@@ -84,19 +94,28 @@ def strut(m, d, k):
 
     At zero length it has no direction and pulls nowhere.
     """
+    length, rate, direction = strut_motion(m, d, k)
+    spring, damper, pulled = strut_tensions(m, d, k, length, rate)
+    return length, rate, direction, spring + damper + pulled
+
+
+@inlined
+def strut_motion(m, d, k):
+    """(length m, its rate m/s, direction from first to second in O) of strut k."""
     a = m.strut_from[k]
     b = m.strut_to[k]
     span = al.sub(markers.position(m, d, b), markers.position(m, d, a))
     length = al.norm(span)
     direction = al.scale(1.0 / length if length > 0.0 else 0.0, span)
-    rate = al.dot(direction, al.sub(markers.velocity(m, d, b), markers.velocity(m, d, a)))
-    tension = spring_effort(m, m.strut_spring_table[k], m.strut_stiffness[k], m.strut_rest[k], length)
-    tension += damper_effort(m, m.strut_damper_table[k], m.strut_damping[k], rate)
+    return length, al.dot(direction, al.sub(markers.velocity(m, d, b), markers.velocity(m, d, a))), direction
 
-    if m.strut_u[k] >= 0:
-        tension += d.input[m.strut_u[k]]
 
-    return length, rate, direction, tension
+@inlined
+def strut_tensions(m, d, k, length, rate):
+    """Tensions (N) of strut k's spring, damper and input."""
+    spring = spring_effort(m, m.strut_spring_table[k], m.strut_stiffness[k], m.strut_rest[k], length)
+    damper = damper_effort(m, m.strut_damper_table[k], m.strut_damping[k], rate)
+    return spring, damper, d.input[m.strut_u[k]] if m.strut_u[k] >= 0 else 0.0
 
 
 @inlined
@@ -172,24 +191,47 @@ def linear_displacement(m, d, k):
 
 
 @inlined
+def linear_drag(m, d, k):
+    """What the damping of linear force k takes off its wrench: (force N, moment N m), in the first marker's axes."""
+    a = m.linear_from[k]
+    b = m.linear_to[k]
+    w = markers.relative_angular_velocity(m, d, a, b)
+    return six_times(m.linear_damping, k, markers.relative_velocity(m, d, a, b), w)
+
+
+@inlined
 def linear_wrench(m, d, k):
-    """Wrench of linear force k on the second marker: (moment N m, force N), inertial axes.
+    """Wrench of linear force k on the second marker: (moment N m, force N), in the first one's axes.
 
     Stiffness and preload are generalised forces along (d, rx, ry, rz), so a symmetric stiffness keeps
     energy at any angle; damping acts on the relative velocities.
     """
-    a = m.linear_from[k]
-    b = m.linear_to[k]
     moved, turned, columns = linear_displacement(m, d, k)
     force, Q = six_times(m.linear_stiffness, k, moved, turned)
     force = al.sub(al.vec3(m.linear_preload, 2 * k), force)
     Q = al.sub(al.vec3(m.linear_preload, 2 * k + 1), Q)
-    drag, drag_moment = six_times(
-        m.linear_damping, k, markers.relative_velocity(m, d, a, b), markers.relative_angular_velocity(m, d, a, b)
-    )
-    moment = al.sub(moment_of_swing_twist(columns, Q), drag_moment)
-    A = markers.axes(m, d, a)
-    return al.mat_vec(A, moment), al.mat_vec(A, al.sub(force, drag))
+    drag, drag_moment = linear_drag(m, d, k)
+    return al.sub(moment_of_swing_twist(columns, Q), drag_moment), al.sub(force, drag)
+
+
+@inlined
+def input_wrench(m, d, k):
+    """Wrench input k now: (moment N m, force N), inertial axes."""
+    force = al.ZERO3
+    moment = al.ZERO3
+
+    if m.wrench_force[k] >= 0:
+        force = al.vec_at(d.input, m.wrench_force[k])
+
+    if m.wrench_moment[k] >= 0:
+        moment = al.vec_at(d.input, m.wrench_moment[k])
+
+    if m.wrench_axes[k] >= 0:
+        A = markers.axes(m, d, m.wrench_axes[k])
+        force = al.mat_vec(A, force)
+        moment = al.mat_vec(A, moment)
+
+    return moment, force
 
 
 @inlined
@@ -224,11 +266,8 @@ def apply(m, d):
         d.coordinate_effort[k] = 0.0
 
     for k in range(m.n_joint_spring):
-        c = m.joint_spring_coordinate[k]
-        x = coordinates.value(m, d, c)
-        effort = spring_effort(m, m.joint_spring_table[k], m.joint_stiffness[k], m.joint_rest[k], x)
-        effort += damper_effort(m, m.joint_damper_table[k], m.joint_damping[k], coordinates.rate(m, d, c))
-        coordinates.add_effort(m, d, c, -effort)
+        spring, damper = joint_spring_efforts(m, d, k)
+        coordinates.add_effort(m, d, m.joint_spring_coordinate[k], spring + damper)
 
     for k in range(m.n_friction):
         c = m.friction_coordinate[k]
@@ -253,7 +292,10 @@ def apply(m, d):
     for k in range(m.n_linear):
         b = m.linear_to[k]
         r = markers.position(m, d, b)
+        A = markers.axes(m, d, m.linear_from[k])
         moment, force = linear_wrench(m, d, k)
+        moment = al.mat_vec(A, moment)
+        force = al.mat_vec(A, force)
         markers.add_wrench(m, d, m.marker_body[b], r, moment, force)
 
         # the reaction acts at the material point that is there now
@@ -261,20 +303,7 @@ def apply(m, d):
 
     for k in range(m.n_wrench_input):
         b = m.wrench_marker[k]
-        force = al.ZERO3
-        moment = al.ZERO3
-
-        if m.wrench_force[k] >= 0:
-            force = al.vec_at(d.input, m.wrench_force[k])
-
-        if m.wrench_moment[k] >= 0:
-            moment = al.vec_at(d.input, m.wrench_moment[k])
-
-        if m.wrench_axes[k] >= 0:
-            A = markers.axes(m, d, m.wrench_axes[k])
-            force = al.mat_vec(A, force)
-            moment = al.mat_vec(A, moment)
-
+        moment, force = input_wrench(m, d, k)
         r = markers.position(m, d, b)
         markers.add_wrench(m, d, m.marker_body[b], r, moment, force)
 

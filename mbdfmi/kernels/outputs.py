@@ -6,7 +6,7 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 import math
 
 from . import algebra as al
-from . import contacts, coordinates, forces, gravity, markers, reactions, tree
+from . import contacts, coordinates, forces, gravity, markers, powers, reactions, tree
 from .language import inlined, kernel
 
 # of joint coordinate a
@@ -61,9 +61,44 @@ REJECTED_STEPS = 37
 EVALUATIONS = 38
 ESTIMATED_ERROR = 39
 
+# efforts along a joint's coordinate: of spring, damper, friction, stop, input a of their tables
+SPRING_EFFORT = 40
+DAMPER_EFFORT = 41
+FRICTION_EFFORT = 42
+STOP_EFFORT = 43
+INPUT_EFFORT = 44
+# of coupling row a along its first (b = 0) or second coordinate
+COUPLING_EFFORT = 45
+# of marker b relative to a
+ZYX_RATE = 46
+# of strut a
+STRUT_SPRING = 47
+STRUT_DAMPER = 48
+STRUT_INPUT = 49
+STRUT_POWER = 50
+# of linear force a
+LINEAR_FORCE = 51
+LINEAR_MOMENT = 52
+LINEAR_ROTATION = 53
+LINEAR_POWER = 54
+# of load a
+LOAD_POWER = 55
+# of joint coordinate a, driven or not
+JOINT_POWER = 56
+DRIVEN_JOINT_POWER = 57
+# of the ground, node a
+GROUND_FORCE = 58
+GROUND_MOMENT = 59
+# of the whole scene
+INPUTS_POWER = 60
+LOADS_POWER = 61
+DRIVES_POWER = 62
+DISSIPATED_POWER = 63
+
 VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
 VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
-VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS}
+VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
+VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
 
 # what they need beside kinematics: bits of `output_needs`
@@ -72,8 +107,9 @@ NEED_ROWS = 2
 NEED_ACCELERATIONS = 4
 NEED_REACTIONS = 8
 
-REACTS = {REACTION_FORCE, REACTION_MOMENT, DRIVE_EFFORT}
+REACTS = {REACTION_FORCE, REACTION_MOMENT, DRIVE_EFFORT, DRIVEN_JOINT_POWER, GROUND_FORCE, GROUND_MOMENT, DRIVES_POWER}
 ACCELERATES = {ACCELERATION, ALPHA, LINEAR_ACCELERATION, ALPHA_BODY, LINEAR_ACCELERATION_BODY, MULTIPLIER} | REACTS
+ACCELERATES |= {COUPLING_EFFORT}
 NEEDS = {
     NEED_INERTIAS: {
         KINETIC_ENERGY,
@@ -127,6 +163,60 @@ def z_angle(m, d, a, b):
     return math.atan2(math.sqrt(A[0][2] * A[0][2] + A[1][2] * A[1][2]), A[2][2])
 
 
+@inlined
+def zyx_rate(m, d, a, b):
+    """(yaw', pitch', roll') of marker b relative to a (rad/s); at pitch = +-90 degrees, where there are none, with roll' = 0."""
+    A = markers.relative_axes(m, d, a, b)
+    w = markers.relative_angular_velocity(m, d, a, b)
+    yaw, pitch, roll = al.matrix_zyx(A)
+    c = math.cos(yaw)
+    s = math.sin(yaw)
+    along = c * w[0] + s * w[1]
+    cos_pitch = math.sqrt(A[0][0] * A[0][0] + A[1][0] * A[1][0])
+    rolling = along / cos_pitch if cos_pitch > 1e-12 else 0.0
+    return w[2] - rolling * A[2][0], c * w[1] - s * w[0], rolling
+
+
+@inlined
+def effort_in_joint(m, d, kind, a):
+    """Effort of spring, damper, friction, stop or input a along the coordinate that it acts on."""
+    if kind == SPRING_EFFORT or kind == DAMPER_EFFORT:
+        spring, damper = forces.joint_spring_efforts(m, d, a)
+        return spring if kind == SPRING_EFFORT else damper
+
+    if kind == FRICTION_EFFORT:
+        return -forces.friction_effort(m, a, coordinates.rate(m, d, m.friction_coordinate[a]))
+
+    if kind == STOP_EFFORT:
+        c = m.stop_coordinate[a]
+        return -forces.stop_effort(m, a, coordinates.value(m, d, c), coordinates.rate(m, d, c))
+
+    return d.input[m.effort_u[a]]
+
+
+@inlined
+def tension_in_strut(m, d, kind, a):
+    """Tension of the spring, the damper or the input of strut a."""
+    length, rate, direction = forces.strut_motion(m, d, a)
+    spring, damper, pulled = forces.strut_tensions(m, d, a, length, rate)
+    return spring if kind == STRUT_SPRING else (damper if kind == STRUT_DAMPER else pulled)
+
+
+@kernel
+def write_linear_output(m, d, kind, a, at, y):
+    """An output of linear force a into y from `at` on."""
+    if kind == LINEAR_POWER:
+        y[at] = powers.of_linear(m, d, a)
+
+    elif kind == LINEAR_ROTATION:
+        moved, turned, columns = forces.linear_displacement(m, d, a)
+        al.set_vec_at(y, at, turned)
+
+    else:
+        moment, force = forces.linear_wrench(m, d, a)
+        al.set_vec_at(y, at, force if kind == LINEAR_FORCE else moment)
+
+
 @kernel
 def write_scene_output(m, d, kind, at, y):
     """An output of the whole scene into y from `at` on."""
@@ -155,6 +245,18 @@ def write_scene_output(m, d, kind, at, y):
     elif kind == ANGULAR_MOMENTUM:
         angular, _ = tree.total_momentum(m, d)
         al.set_vec_at(y, at, angular)
+
+    elif kind == INPUTS_POWER:
+        y[at] = powers.of_inputs(m, d)
+
+    elif kind == LOADS_POWER:
+        y[at] = powers.of_loads(m, d)
+
+    elif kind == DRIVES_POWER:
+        y[at] = powers.of_drives(m, d)
+
+    elif kind == DISSIPATED_POWER:
+        y[at] = powers.dissipated(m, d)
 
     elif kind == CENTER_OF_MASS:
         al.set_vec_at(y, at, tree.center_of_mass(m, d))
@@ -260,6 +362,37 @@ def write_outputs(m, d, y):
 
         elif kind == MULTIPLIER:
             y[at] = d.multiplier[a]
+
+        elif SPRING_EFFORT <= kind <= INPUT_EFFORT:
+            y[at] = effort_in_joint(m, d, kind, a)
+
+        elif kind == COUPLING_EFFORT:
+            y[at] = m.row_value[2 * a + b] * d.multiplier[a]
+
+        elif kind == ZYX_RATE:
+            al.set_vec_at(y, at, zyx_rate(m, d, a, b))
+
+        elif STRUT_SPRING <= kind <= STRUT_INPUT:
+            y[at] = tension_in_strut(m, d, kind, a)
+
+        elif kind == STRUT_POWER:
+            y[at] = powers.of_strut(m, d, a)
+
+        elif LINEAR_FORCE <= kind <= LINEAR_POWER:
+            write_linear_output(m, d, kind, a, at, y)
+
+        elif kind == LOAD_POWER:
+            y[at] = powers.of_load(m, d, a)
+
+        elif kind == JOINT_POWER or kind == DRIVEN_JOINT_POWER:
+            y[at] = powers.of_joint(m, d, a)
+
+            if kind == DRIVEN_JOINT_POWER:
+                y[at] += reactions.drive_effort(m, d, a) * coordinates.rate(m, d, a)
+
+        elif kind == GROUND_FORCE or kind == GROUND_MOMENT:
+            moment, force = reactions.on_ground(m, d, a)
+            al.set_vec_at(y, at, force if kind == GROUND_FORCE else moment)
 
         else:
             write_scene_output(m, d, kind, at, y)

@@ -115,6 +115,42 @@ def reaction(m, d, k):
     return moment, al.matT_vec(A, force)
 
 
+@kernel
+def on_ground(m, d, ground):
+    """What all joints and forces together exert on the ground: (moment about its origin N m, force N), in its axes.
+
+    ground : its node. One that moves is a body of its own: it bears the contrary of what moves it. Needs find_joint_wrenches.
+    """
+    if ground > 0:
+        A = al.mat3(d.A, ground)
+        moment = al.neg(al.vec3(d.bias_moment, ground))
+        return al.matT_vec(A, moment), al.matT_vec(A, al.neg(al.vec3(d.bias_force, ground)))
+
+    # weight of what is fixed to it, forces on it, joints
+    g = al.vec3(m.gravity, 0)
+    moment = al.add(al.vec3(d.moment, 0), al.cross(al.vec3(d.body_h, 0), g))
+    force = al.axpy(d.body_m[0], g, al.vec3(d.force, 0))
+
+    for i in range(1, m.n_body):
+        if m.body_parent[i] == 0:
+            passed = al.vec3(d.bias_force, i)
+            moment = al.sub(moment, al.add(al.vec3(d.bias_moment, i), al.cross(al.vec3(d.r, i), passed)))
+            force = al.sub(force, passed)
+
+    return moment, force
+
+
+@inlined
+def held_effort(m, d, i):
+    """Effort (N m or N) with which a drive holds the joint of body i, of one freedom, beside all else that acts along it.
+
+    Needs find_joint_wrenches.
+    """
+    S_w, S_r = joints.subspace(m, d, i, 0)
+    borne = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
+    return borne - d.tau[m.body_v[i]]
+
+
 @inlined
 def drive_effort(m, d, k):
     """Effort (N m or N) with which a drive holds coordinate k to its motion, beside all else that acts along it.
@@ -122,10 +158,7 @@ def drive_effort(m, d, k):
     Needs find_joint_wrenches.
     """
     if m.coordinate_kind[k] == coordinates.IN_TREE:
-        i = m.coordinate_body[k]
-        S_w, S_r = joints.subspace(m, d, i, 0)
-        borne = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
-        return borne - d.tau[m.body_v[i]]
+        return held_effort(m, d, m.coordinate_body[k])
 
     effort = 0.0
 

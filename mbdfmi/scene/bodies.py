@@ -15,7 +15,7 @@ from .solids import Solid, composite
 from .surfaces import Surface
 
 MARKER_OUTPUTS = (
-    "position", "velocity", "acceleration", "euler_parameters", "zyx", "omega", "alpha",
+    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha",
     "velocity_body", "acceleration_body", "omega_body", "alpha_body",
 )
 
@@ -161,7 +161,10 @@ class Ground(Part):
     """The frame of the assembly, with markers on it by name.
 
     motion : of it in the inertial frame, or None: it is the inertial frame.
+    output : the force (N) and the moment about its origin (N m) with which all joints and forces together act on it, and
+        the weight of what is fixed to it; in its own axes. One that moves bears the contrary of what moves it.
     """
 
     motion: Motion | None = None
+    output: SomeOf("reaction_force", "reaction_moment") = []
     marker: dict[Name, GroundMarker] = {}

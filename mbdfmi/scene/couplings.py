@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from .errors import show
-from .fields import NotZero, Number, Part, by_key, in_si
+from .fields import NotZero, Number, Part, SomeOf, by_key, in_si
 
 
 def _joints(value):
@@ -22,16 +22,18 @@ class CouplingBase(Part):
     """The second joint's coordinate follows the first one's: ratio times it, plus an offset.
 
     between : names of the joints.
+    output : "efforts", what the coupling exerts on the second markers of the first and the second joint along these, N m or
+        N, as a tooth or a rope does; the power of the two together is 0.
     kinds : of joints that it can be between, the first's and the second's.
     """
 
     kinds: ClassVar[tuple] = (("revolute", "prismatic"), ("revolute", "prismatic"))
     input: ClassVar[tuple] = ()
-    output: ClassVar[tuple] = ()
 
     between: Annotated[tuple[str, str], BeforeValidator(_joints)] = Field(
         description='names of two joints, as in between = ["motor", "wheel"]'
     )
+    output: SomeOf("efforts") = []
 
     @property
     def ratio(self):

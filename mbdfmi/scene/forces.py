@@ -182,11 +182,16 @@ class LoadOptions(Part):
         return np.array(self.moment or (0.0, 0.0, 0.0))
 
 
+LINEAR_OUTPUTS = ("force", "moment", "displacement", "rotation", "power")
+
+
 class SpringDamper(Part):
     """spring_damper = { stiffness, rest_length, table, damping }
 
-    input : a force (N, tension positive) that acts beside the spring.
-    output : length m, rate m/s, force N (tension).
+    input : a force (N, tension positive) that acts beside the spring, as of a hydraulic cylinder; stiffness = 0 for one
+        without a spring.
+    output : length m; rate m/s; tension N, called force too where that is no input; the parts of it that spring, damper and
+        input make, N; the power on the bodies, W.
     """
 
     kind: ClassVar[str] = "spring_damper"
@@ -194,29 +199,44 @@ class SpringDamper(Part):
     spring_damper: SpringDamperOptions
     between: Between = Field(description=BETWEEN)
     input: SomeOf("force", bare=True) = []
-    output: SomeOf("length", "rate", "force") = []
+    output: SomeOf(
+        "length", "rate", "force", "tension", "spring_force", "damper_force", "input_force", "power"
+    ) = []
+
+    @model_validator(mode="after")
+    def _check_output(self):
+        if "input_force" in self.output and not self.input:
+            raise ValueError('output "input_force" is that of an input, and there is none')
+        return self
 
 
 class Bushing(Part):
-    """bushing = { stiffness, damping }"""
+    """bushing = { stiffness, damping }
+
+    output : force (N) and moment (N m) on the second marker about its origin, its displacement (m) and rotation (rx, ry,
+        rz in rad) from the first, all in the first one's axes; the power on the bodies, W.
+    """
 
     kind: ClassVar[str] = "bushing"
     input: ClassVar[tuple] = ()
-    output: ClassVar[tuple] = ()
 
     bushing: BushingOptions
     between: Between = Field(description=BETWEEN)
+    output: SomeOf(*LINEAR_OUTPUTS) = []
 
 
 class Load(Part):
-    """load = { force, moment, axes, table }, on : the end it acts on."""
+    """load = { force, moment, axes, table }, on : the end it acts on.
+
+    output : its power, W.
+    """
 
     kind: ClassVar[str] = "load"
     input: ClassVar[tuple] = ()
-    output: ClassVar[tuple] = ()
 
     load: LoadOptions
     on: End = Field(description='the end it acts on, as in on = "body.marker"')
+    output: SomeOf("power") = []
 
     @property
     def between(self):
@@ -225,14 +245,19 @@ class Load(Part):
 
 
 class Linear(Part):
-    """linear = { stiffness, damping, added_mass, preload }"""
+    """linear = { stiffness, damping, added_mass, preload }
+
+    output : force (N) and moment (N m) on the second marker about its origin, its displacement (m) and rotation (rx, ry,
+        rz in rad) from the first, all in the first one's axes; the power on the bodies, W. What added mass resists
+        with is part of the bodies' inertia and not of these.
+    """
 
     kind: ClassVar[str] = "linear"
     input: ClassVar[tuple] = ()
-    output: ClassVar[tuple] = ()
 
     linear: LinearOptions
     between: Between = Field(description=BETWEEN)
+    output: SomeOf(*LINEAR_OUTPUTS) = []
 
     @model_validator(mode="after")
     def _check_added_mass(self):

@@ -23,6 +23,14 @@ from .starts import (
 from .tables import EffortDamper
 
 
+# Efforts along the joint's coordinate on its second marker, N or N m, each of one of the joint's keys.
+EFFORTS = {
+    "effort": "driver", "spring_effort": "spring", "damper_effort": "damper", "friction_effort": "friction",
+    "stop_effort": "stop", "input_effort": "input", "driver_effort": "driver",
+}
+PARTS = {"friction": "friction", "input": "an input"}
+
+
 class Fixed(Plain):
     """No motion."""
 
@@ -47,10 +55,15 @@ class Driveable(JointBase):
     """A joint whose motion a driver may prescribe."""
 
     @model_validator(mode="after")
+    def _check_efforts(self):
+        for output, part in EFFORTS.items():
+            if output in self.output and not getattr(self, part):
+                raise ValueError(f"output {show(output)} is that of {PARTS.get(part, f'a {part}')}, and there is none")
+        return self
+
+    @model_validator(mode="after")
     def _check_driver(self):
         if not self.driver:
-            if "effort" in self.output:
-                raise ValueError('output "effort" is that of a driver, and there is none')
             return self
 
         if self.input:
@@ -63,7 +76,11 @@ class Driveable(JointBase):
 
 
 class Revolute(Driveable):
-    """Rotation about an axis. damper : N m s/rad. input : torque, N m."""
+    """Rotation about an axis. damper : N m s/rad. input : torque, N m.
+
+    output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
+        marker along the joint, N m ("effort" is the driver's too), and the power of all these on the bodies, W.
+    """
 
     kind: ClassVar[str] = "revolute"
 
@@ -75,11 +92,15 @@ class Revolute(Driveable):
     stop: AngularStop | None = None
     driver: AngularDriver | None = None
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("angle", "speed", "acceleration", "effort", *REACTIONS) = []
+    output: SomeOf("angle", "speed", "acceleration", *EFFORTS, "power", *REACTIONS) = []
 
 
 class Prismatic(Driveable):
-    """Translation along an axis. damper : N s/m. input : force, N."""
+    """Translation along an axis. damper : N s/m. input : force, N.
+
+    output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
+        marker along the joint, N ("effort" is the driver's too), and the power of all these on the bodies, W.
+    """
 
     kind: ClassVar[str] = "prismatic"
 
@@ -91,7 +112,7 @@ class Prismatic(Driveable):
     stop: LinearStop | None = None
     driver: LinearDriver | None = None
     input: SomeOf("force", bare=True) = []
-    output: SomeOf("position", "speed", "acceleration", "effort", *REACTIONS) = []
+    output: SomeOf("position", "speed", "acceleration", *EFFORTS, "power", *REACTIONS) = []
 
 
 class ScrewOptions(AxisOptions):
@@ -200,7 +221,7 @@ class Spherical(Plain):
     spherical: Empty
     start: SphericalStart = SphericalStart()
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("euler_parameters", "zyx", "omega", "alpha", *REACTIONS) = []
+    output: SomeOf("euler_parameters", "zyx", "zyx_rate", "omega", "alpha", *REACTIONS) = []
 
 
 class Free(Plain):
@@ -211,7 +232,7 @@ class Free(Plain):
 
     free: Empty
     start: FreeStart = FreeStart()
-    output: SomeOf("position", "velocity", "euler_parameters", "zyx", "omega") = []
+    output: SomeOf("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega") = []
 
 
 Joint = by_key(

@@ -7,7 +7,7 @@ from .fields import Part, SomeOf
 
 MEASURES = (
     "distance", "distance_rate", "angle", "position", "velocity", "acceleration",
-    "euler_parameters", "zyx", "omega",
+    "euler_parameters", "zyx", "zyx_rate", "omega",
 )
 
 

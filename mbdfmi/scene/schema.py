@@ -19,6 +19,7 @@ from .writer import toml_text
 
 OUTPUTS = (
     "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
+    "input_power", "load_power", "driver_power", "dissipated_power",
     "linear_momentum", "angular_momentum", "center_of_mass",
     "constraint_gap", "constraint_rate", "multipliers",
 )
@@ -104,8 +105,9 @@ class Scene(Part):
     title, description : free text, or None.
     central_gravity : or None.
     gravity : (3,) in m/s2 in the inertial frame; 0 with central_gravity.
-    output : names of OUTPUTS: energies (J); momenta, the angular one about the inertial origin,
-        and the centre of mass (3,); the largest error of the constraints in position and in
+    output : names of OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
+        damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
+        about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in
         velocity; the multipliers.
     solver, ground : as above.
     body, joint, coupling, force, measure : by name, in the order written.
