@@ -34,6 +34,7 @@ class Model:
     variables : inputs, outputs, parameters, in that order.
     places : names that a kernel's status can point to: the nodes of the tree, then the constraints.
     tree : nodes, and where the bodies are in them.
+    coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     guid : hash of all that a simulation depends on.
     notices : what a user should be told of the scene, and of what was made of it.
     """
@@ -52,6 +53,7 @@ class Model:
     variables: list[Variable]
     places: list[str]
     tree: Tree
+    coordinates: dict[tuple[str, int], int]
     guid: str
     notices: list[str]
 
@@ -71,16 +73,16 @@ def compile_scene(scene: Scene) -> Model:
     """The model of a scene. Raises SceneError where its parts do not form what the kernels can do."""
     if scene.solver.formulation == "augmented":
         relative = _compile(scene, spanning_tree(scene), "recursive")
-        return _compile(scene, absolute_tree(relative.tree, scene), "recursive", start_motion(relative))
+        return _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
 
     # articulated bodies were the cheapest of the three at every size and shape measured (`mbdfmi bench`)
     formulation = scene.solver.formulation
     return _compile(scene, spanning_tree(scene), "recursive" if formulation == "auto" else formulation)
 
 
-def _compile(scene, tree, formulation, motion=None):
-    """The model on a tree; `motion`: start values of absolute coordinates."""
-    builder = Builder(scene, tree, formulation == "embedding")
+def _compile(scene, tree, formulation, motion=None, angles=None):
+    """The model on a tree; `motion`: start values of absolute coordinates; `angles`: of joints at the start."""
+    builder = Builder(scene, tree, formulation == "embedding", angles)
     add_settings(builder)
     add_drives(builder)
     add_bodies(builder)
@@ -109,7 +111,7 @@ def _assemble(builder):
     counts |= {
         "n_q": builder.n_q,
         "n_v": builder.n_v,
-        "n_x": builder.n_q + builder.n_v + len(builder.single["s_start"]),
+        "n_x": builder.n_q + builder.n_v + len(builder.single["s_start"]) + counts["n_turn"],
         "n_s": len(builder.single["s_start"]),
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
@@ -157,6 +159,7 @@ def _assemble(builder):
         variables=variables,
         places=places,
         tree=builder.tree,
+        coordinates=builder.coordinates,
         guid=_guid(buffers, variables, places),
         notices=scene.notices + [str(notice) for notice in builder.notices],
     )

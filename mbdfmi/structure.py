@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .kernels import joints, project, rows, tree
+from .kernels import coordinates, joints, project, rows, tree
 from .kernels.status import OK
 from .model import compile_scene
 from .simulate import Instance
@@ -306,7 +306,7 @@ class Mechanism:
         """Places a little way along allowed motions in which every joint takes part; the state
         stays at the start.
         """
-        start, last = self.d.x.copy(), self.d.coordinate_last.copy()
+        start = self.d.x.copy()
         motions = self.here().motions
         places = []
 
@@ -317,7 +317,7 @@ class Mechanism:
             if project.project_positions(self.m, self.d, GAP_ALLOWED) == OK:
                 places.append(self.here())
 
-            self.d.x[:], self.d.coordinate_last[:] = start, last
+            self.d.x[:] = start
 
         return places
 
@@ -431,8 +431,8 @@ class Mechanism:
         return (v_b - v_a) @ z
 
     def position(self, name) -> float:
-        """A joint's coordinate (rad, m) at the start; an angle is that nearest to zero where the
-        joint closes a loop.
+        """A joint's coordinate (rad, m) at the start; where the joint closes a loop, an angle is that
+        nearest to its start value.
         """
         for i, node in enumerate(self.model.tree.nodes):
             if node.joint == name:
@@ -444,7 +444,8 @@ class Mechanism:
 
         if self.scene.joint[name].kind == "revolute":
             A = turned_a.T @ turned_b
-            return float(np.arctan2(A[1, 0], A[0, 0]))
+            given = self.scene.joint[name].start_position()[0]
+            return float(coordinates.unwrapped(np.arctan2(A[1, 0], A[0, 0]), given))
 
         span = place.r[b] + place.A[b] @ r_b - place.r[a] - place.A[a] @ r_a
         return float(turned_a[:, 2] @ span)

@@ -213,7 +213,7 @@ def evaluate(instance: Instance) -> np.ndarray:
 
 def velocities(instance: Instance) -> np.ndarray:
     """v (n_v,), a view."""
-    return instance.d.x[instance.m.n_q :]
+    return instance.d.x[instance.m.n_q : instance.m.n_q + instance.m.n_v]
 
 
 def inverse_dynamics(instance: Instance, accelerations) -> np.ndarray:

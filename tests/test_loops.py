@@ -87,7 +87,7 @@ def along(instance, q, v, a, t):
 
     def rates(q, t):
         d.x[: m.n_q] = q
-        d.x[m.n_q :] = v + a * t
+        d.x[m.n_q : m.n_q + m.n_v] = v + a * t
 
         for i in range(1, m.n_body):
             joints.position_rates(m, d, i)
@@ -99,8 +99,8 @@ def along(instance, q, v, a, t):
     k3 = rates(q + t / 2 * k2, t / 2)
     k4 = rates(q + t * k3, t)
     d.x[: m.n_q] = q + t / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    d.x[m.n_q :] = v + a * t
-    d.x_rate[m.n_q :] = a
+    d.x[m.n_q : m.n_q + m.n_v] = v + a * t
+    d.x_rate[m.n_q : m.n_q + m.n_v] = a
     tree.kinematics(m, d)
     tree.accelerations(m, d)
     rows.write_rows(m, d)

@@ -3,15 +3,16 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..kernels import entry
+from ..kernels import coordinates, entry
 from ..kernels.views import DataView, ModelView
 from ..variables import dotted
 
 
 def start_motion(model):
-    """Pose and motion of the bodies of a model in relative coordinates once its loops are closed.
+    """How the bodies and joints of a model in relative coordinates start once its loops are closed.
 
-    Returns body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes.
+    Returns (body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes;
+    angles of joints: (joint, which of its coordinates) -> rad).
     """
     m = ModelView(ints=model.ints, reals=model.reals.copy())
     state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(3 * max(1, model.n_u))
@@ -33,7 +34,18 @@ def start_motion(model):
         v = np.concatenate([A[g].T @ seen, A[g].T @ (w[i] - w[g])])
         motion[body] = (q, v)
 
-    return motion
+    return motion, _angles(model, m, d)
+
+
+def _angles(model, m, d):
+    """(joint, which of its coordinates) -> angle (rad), turns included."""
+    angles = {
+        (node.joint, node.coordinate): float(d.x[m.body_q[i]])
+        for i, node in enumerate(model.tree.nodes)
+        if node.kind == "revolute"
+    }
+    turns = {key: m.coordinate_turn[k] for key, k in model.coordinates.items()}
+    return angles | {key: float(d.x[coordinates.turn(m, t)]) for key, t in turns.items() if t >= 0}
 
 
 def add_absolute_starts(builder, motion):

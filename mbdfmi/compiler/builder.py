@@ -7,6 +7,7 @@ from ..kernels.joints import KINDS, N_Q, N_V
 from ..scene import Problem, Scene
 from ..topology import Tree, axes_with_z, chain
 from ..variables import Variable, subscripts
+from .start import coupled_angles
 
 
 class Table:
@@ -37,9 +38,11 @@ class Builder:
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
     notices : what a user should be told of what was made of the scene.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
+    coordinates : (joint, which of its coordinates) -> index among those that something refers to.
+    start_angles : the same -> rad at the start, where more is known than the joints' own start values.
     """
 
-    def __init__(self, scene: Scene, tree: Tree, embeds: bool):
+    def __init__(self, scene: Scene, tree: Tree, embeds: bool, start_angles=None):
         self.scene = scene
         self.embeds = embeds
         self.tree = tree
@@ -59,7 +62,8 @@ class Builder:
         self.reactions = []
         self.torque_inputs = {}
         self._markers = {}
-        self._coordinates = {}
+        self.coordinates = {}
+        self.start_angles = start_angles or coupled_angles(scene)
         self._index_nodes()
         self.marker("inertial")
 
@@ -106,10 +110,10 @@ class Builder:
         """Index of a joint's scalar coordinate k, one of its simple motions (see topology.chain)."""
         key = (joint, k)
 
-        if key not in self._coordinates:
-            self._coordinates[key] = self.tables["n_coordinate"].add(**self._coordinate_row(joint, k))
+        if key not in self.coordinates:
+            self.coordinates[key] = self.tables["n_coordinate"].add(**self._coordinate_row(joint, k))
 
-        return self._coordinates[key]
+        return self.coordinates[key]
 
     def _coordinate_row(self, joint, k):
         if joint in self.joint_nodes:
@@ -118,6 +122,7 @@ class Builder:
                 coordinate_body=self.joint_nodes[joint][k],
                 coordinate_from=0,
                 coordinate_to=0,
+                coordinate_turn=-1,
             )
 
         spec = self.scene.joint[joint]
@@ -137,7 +142,16 @@ class Builder:
             coordinate_body=0,
             coordinate_from=self.joint_marker(joint, sides[0], turn),
             coordinate_to=self.joint_marker(joint, sides[1], turn),
+            coordinate_turn=self._add_turn(joint, k) if kind == "revolute" else -1,
         )
+
+    def _add_turn(self, joint, k):
+        """Index of an angle outside the tree among these; it starts nearest to where the joint's start values say."""
+        start = self.scene.joint[joint].start_position()
+
+        # a screw's position follows from its angle
+        angle = self.start_angles.get((joint, k), start[min(k, len(start) - 1)])
+        return self.tables["n_turn"].add(turn_coordinate=self.tables["n_coordinate"].length, turn_start=angle)
 
     def table(self, polynomial, beyond):
         """Index of a piecewise cubic function (scipy PPoly of degree at most 3); `beyond`: see kernels/tables.py."""

@@ -6,6 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from ..topology import IDENTITY, compose, inverse
 
+# kinds of the joints that couplings are between
+COUPLED = ("revolute", "prismatic")
+
 
 def start_pose(builder, end):
     """Pose (r (3,) m, A (3, 3)) of a marker of the scene in the inertial frame, before loops are closed."""
@@ -28,6 +31,22 @@ def start_coordinate(builder, joint):
         return builder.single["q_start"][builder.q[builder.joint_nodes[joint][0]]]
 
     return float(builder.scene.joint[joint].start_position()[0])
+
+
+def coupled_angles(scene):
+    """Angles (rad) at the start of revolute joints without a start of their own that couplings tell: (joint, 0) -> rad."""
+    held = {name: joint for name, joint in scene.joint.items() if joint.kind in COUPLED and joint.holds_position}
+    known = {name: joint.start_position()[0] for name, joint in held.items()}
+    links = [(*c.between, c.ratio, c.offset) for c in scene.coupling.values() if c.offset is not None]
+
+    for _ in links:
+        for first, second, ratio, offset in links:
+            if first in known:
+                known.setdefault(second, ratio * known[first] + offset)
+            elif second in known:
+                known[first] = (known[second] - offset) / ratio
+
+    return {(name, 0): q for name, q in known.items() if name not in held and scene.joint[name].kind == "revolute"}
 
 
 def _joint_pose(builder, i):

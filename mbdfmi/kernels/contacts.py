@@ -4,7 +4,8 @@ A contact's parameters s stand behind q and v in d.x. They are those of the clos
 curve or surface to a marker's origin) or of the common tangent (of two curves): exactly so after
 every accepted step, where Newton's method finds them anew. In between they are integrated; their
 rates follow from the velocities. Only on a sphere, whose parameters are singular at its poles,
-they are read off instead, and nothing depends on them.
+they are read off instead, and nothing depends on them; the longitude is integrated along to tell
+its turn.
 
 The reaction acts at the material points that are where the contact is: theory, section
 "Generalized Force due to Reaction".
@@ -34,6 +35,9 @@ ROUNDING = 1e-15
 # curvature is believed where it leaves this part of the metric: else the point found may be the
 # farthest
 TRUSTED = 0.1
+
+# error (rad) of a longitude on a sphere that is just allowed: it need but tell the turn
+LONGITUDE_ALLOWED = 0.3
 
 # samples of a curve, and of each side of a pair, in the search for a start
 SAMPLES = 128
@@ -189,18 +193,30 @@ def rates(m, d, k):
     return solve2(J[0], J[1], J[2], J[3], al.dot(tangent, seen), -al.dot(n, al.cross(w, t_b)))
 
 
+@inlined
+def longitude_rate(m, d, k):
+    """Rate (rad/s) of the longitude of a point on a sphere, 0 at the poles."""
+    e = markers.relative_position(m, d, m.contact_a[k], m.contact_b[k])
+    v = markers.relative_velocity(m, d, m.contact_a[k], m.contact_b[k])
+    square = e[0] * e[0] + e[1] * e[1]
+    return (e[0] * v[1] - e[1] * v[0]) / square if square > 1e-24 * al.dot(e, e) else 0.0
+
+
 @kernel
 def parameter_rates(m, d):
     """s' of all contacts into d.x_rate; needs kinematics."""
     for k in range(m.n_contact):
         s = parameter(m, k)
+
+        if is_sphere(m, k):
+            d.x_rate[s] = longitude_rate(m, d, k)
+            d.x_rate[s + 1] = 0.0
+            continue
+
         rate1, rate2 = rates(m, d, k)
 
         if m.contact_kind[k] == ON_CURVE:
             d.x_rate[s] = rate1
-        elif is_sphere(m, k):
-            d.x_rate[s] = 0.0
-            d.x_rate[s + 1] = 0.0
         else:
             d.x_rate[s] = rate1
             d.x_rate[s + 1] = rate2

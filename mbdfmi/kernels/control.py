@@ -6,7 +6,7 @@ section IV.2: PI control of explicit pairs. IV.8: Gustafsson's predictive contro
 
 import math
 
-from . import joints
+from . import contacts, joints
 from .language import inlined
 from .project import project, restore_x
 from .rates import is_finite
@@ -33,10 +33,18 @@ def weigh(m, d):
     for k in range(m.n_x):
         d.x_scale[k] = m.absolute_tolerance[0] + m.tolerance[0] * abs(d.x[k])
 
+    rotation = m.absolute_tolerance[0] + m.tolerance[0]
+
+    for k in range(m.n_x - m.n_turn, m.n_x):
+        d.x_scale[k] = rotation
+
+    for k in range(m.n_contact):
+        if contacts.is_sphere(m, k):
+            d.x_scale[contacts.parameter(m, k)] = contacts.LONGITUDE_ALLOWED
+
     for i in range(1, m.n_body):
         kind = m.body_joint[i]
         q = m.body_q[i]
-        rotation = m.absolute_tolerance[0] + m.tolerance[0]
 
         if kind == joints.REVOLUTE:
             d.x_scale[q] = rotation

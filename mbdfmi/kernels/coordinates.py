@@ -1,8 +1,9 @@
 """Scalar coordinates of joints: what springs, dampers, friction, stops, drives and outputs of one freedom refer to.
 
 A joint of the tree has its coordinate in the state. One that closes a loop has it between its two markers (a, b): the
-angle of b's x axis about a's z axis, or the displacement of b along it. Angles there are followed through full turns: the last accepted value
-tells which turn it is.
+angle of b's x axis about a's z axis, or the displacement of b along it. The markers tell such an angle but for full turns. These are
+told by a state of its own, integrated along with the others at the angle's rate: so the angle is right however far a step leads. It is
+set to the angle wherever positions are projected.
 """
 
 import math
@@ -23,6 +24,12 @@ def unwrapped(angle, near):
 
 
 @inlined
+def turn(m, t):
+    """Where angle t of those outside the tree stands in x."""
+    return m.n_q + m.n_v + m.n_s + t
+
+
+@inlined
 def value(m, d, k):
     """Coordinate k (rad or m)."""
     if m.coordinate_kind[k] == IN_TREE:
@@ -35,7 +42,7 @@ def value(m, d, k):
         return markers.relative_position(m, d, a, b)[2]
 
     A = markers.relative_axes(m, d, a, b)
-    return unwrapped(math.atan2(A[1][0], A[0][0]), d.coordinate_last[k])
+    return unwrapped(math.atan2(A[1][0], A[0][0]), d.x[turn(m, m.coordinate_turn[k])])
 
 
 @inlined
@@ -134,7 +141,14 @@ def add_effort(m, d, k, effort):
 
 
 @inlined
-def follow_turns(m, d):
-    """Remember the coordinates' values, so that the next ones are found on the same turn."""
-    for k in range(m.n_coordinate):
-        d.coordinate_last[k] = value(m, d, k)
+def turn_rates(m, d):
+    """Rates of the angles outside the tree into d.x_rate; needs kinematics."""
+    for t in range(m.n_turn):
+        d.x_rate[turn(m, t)] = rate(m, d, m.turn_coordinate[t])
+
+
+@inlined
+def read_turns(m, d):
+    """The angles outside the tree as they are, on the turn closest to that in d.x; needs kinematics."""
+    for t in range(m.n_turn):
+        d.x[turn(m, t)] = value(m, d, m.turn_coordinate[t])

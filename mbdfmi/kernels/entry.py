@@ -6,7 +6,6 @@
 from numba import types
 
 from . import (
-    coordinates,
     drives,
     dynamics,
     forces,
@@ -43,7 +42,6 @@ def initialise(m, d, t0):
 
     failure = project.assemble(m, d)
     project.hold(m, d, 4)
-    coordinates.follow_turns(m, d)
     return failure
 
 

@@ -83,7 +83,12 @@ def find_jacobian(m, d, s):
     failure = OK
     control.weigh(m, d)
 
-    for column in range(n):
+    # nothing depends on angles outside the tree but through their turns
+    for k in range(n):
+        for column in range(n - m.n_turn, n):
+            d.jacobian[n * k + column] = 0.0
+
+    for column in range(n - m.n_turn):
         x = d.x[column]
         d.x[column] = x + INCREMENT / m.tolerance[0] * d.x_scale[column]
         change = d.x[column] - x

@@ -19,10 +19,11 @@ COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
     "n_v",  # velocity coordinates
-    "n_x",  # integrated states: n_q + n_v + n_s
+    "n_x",  # integrated states: n_q + n_v + n_s + n_turn
     "n_solid",  # the user's bodies, each fixed in a node
     "n_marker",
     "n_coordinate",  # joint coordinates that something refers to
+    "n_turn",  # those that are angles of joints outside the tree
     "n_joint_spring",
     "n_friction",  # joint coordinates with dry friction
     "n_stop",  # joint coordinates with bump stops
@@ -86,6 +87,8 @@ ARRAYS = (
     Row("coordinate_body", "ints", 1, "n_coordinate", "node, of a joint in the tree"),
     Row("coordinate_from", "ints", 1, "n_coordinate", "first marker, of a joint that closes a loop"),
     Row("coordinate_to", "ints", 1, "n_coordinate", "second marker"),
+    Row("coordinate_turn", "ints", 1, "n_coordinate", "where an angle outside the tree stands among these, -1: it is none"),
+    Row("turn_coordinate", "ints", 1, "n_turn", "coordinate"),
     Row("joint_spring_coordinate", "ints", 1, "n_joint_spring", "coordinate it acts along"),
     Row("joint_spring_table", "ints", 1, "n_joint_spring", "table of its effort over the coordinate, -1: linear"),
     Row("joint_damper_table", "ints", 1, "n_joint_spring", "table of its effort over the rate, -1: linear"),
@@ -197,6 +200,7 @@ ARRAYS = (
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
     Row("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
+    Row("turn_start", "reals", 1, "n_turn", "rad, near which the angle starts"),
     # constants
     Row("knot_x", "reals", 1, "n_knot", "argument of a table"),
     Row("knot_c", "reals", 4, "n_knot", "cubic to the next knot, from here: 1, s, s^2, s^3"),
@@ -240,14 +244,13 @@ ARRAYS = (
     Row("jacobian_known", "state", 1, 1, "1: jacobian holds"),
     Row("jacobian", "state", 1, "n_jacobian", "J = dx'/dx, by rows"),
     Row("lu_step", "state", 1, 1, "s, step that the Newton matrices are of"),
-    Row("x", "state", 1, "n_x", "position, then velocity coordinates, then parameters of contacts"),
+    Row("x", "state", 1, "n_x", "position, then velocity coordinates, parameters of contacts, angles outside the tree"),
     Row("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
     Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
     Row("body_I", "state", 6, "n_body", "kg m2 about the node's origin, in the node"),
     Row("body_added_I", "state", 6, "n_body", "added inertia, moment from angular acceleration, in the node"),
     Row("body_added_H", "state", 9, "n_body", "added inertia, moment from acceleration"),
     Row("body_added_M", "state", 6, "n_body", "added mass, force from acceleration"),
-    Row("coordinate_last", "state", 1, "n_coordinate", "value after the last accepted inner step"),
     Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
     # work: time, inputs and rates
     Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),

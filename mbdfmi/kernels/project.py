@@ -86,9 +86,10 @@ def worst_constraint(m, d):
 
 @inlined
 def see_rows(m, d):
-    """Rows at the positions and velocities of d.x, contacts at their closest points."""
+    """Rows at the positions and velocities of d.x, contacts at their closest points, angles outside the tree read anew."""
     tree.kinematics(m, d)
     contacts.find_parameters(m, d)
+    coordinates.read_turns(m, d)
     rows.write_rows(m, d)
 
 
@@ -170,7 +171,6 @@ def project(m, d):
             dynamics.exchange_rows(m, d)
             project_velocities(m, d)
 
-    coordinates.follow_turns(m, d)
     return failure
 
 
@@ -228,6 +228,7 @@ def assemble(m, d):
     if m.n_row == 0:
         return OK
 
+    rows.start_turns(m, d)
     tree.kinematics(m, d)
     contacts.start(m, d)
 

@@ -2,7 +2,7 @@
 
 from numba.types import float64, int64
 
-from . import contacts, drives, dynamics, forces, joints, tree
+from . import contacts, coordinates, drives, dynamics, forces, joints, tree
 from .language import apart, inlined
 from .views import DATA, MODEL
 
@@ -30,6 +30,7 @@ def evaluate(m, d, s):
         joints.position_rates(m, d, i)
 
     contacts.parameter_rates(m, d)
+    coordinates.turn_rates(m, d)
     d.evaluations[0] += 1.0
     return dynamics.accelerate(m, d)
 
