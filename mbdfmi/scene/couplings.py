@@ -33,7 +33,7 @@ class CouplingBase(Part):
     between: Annotated[tuple[str, str], BeforeValidator(_joints)] = Field(
         description='names of two joints, as in between = ["motor", "wheel"]'
     )
-    output: SomeOf("efforts") = []
+    output: SomeOf("efforts") = ()
 
     @property
     def ratio(self):

@@ -222,7 +222,7 @@ class Bushing(Part):
 
     bushing: BushingOptions
     between: Between = Field(description=BETWEEN)
-    output: SomeOf(*LINEAR_OUTPUTS) = []
+    output: SomeOf(*LINEAR_OUTPUTS) = ()
 
 
 class Load(Part):
@@ -236,7 +236,7 @@ class Load(Part):
 
     load: LoadOptions
     on: End = Field(description='the end it acts on, as in on = "body.marker"')
-    output: SomeOf("power") = []
+    output: SomeOf("power") = ()
 
     @property
     def between(self):
@@ -257,7 +257,7 @@ class Linear(Part):
 
     linear: LinearOptions
     between: Between = Field(description=BETWEEN)
-    output: SomeOf(*LINEAR_OUTPUTS) = []
+    output: SomeOf(*LINEAR_OUTPUTS) = ()
 
     @model_validator(mode="after")
     def _check_added_mass(self):
