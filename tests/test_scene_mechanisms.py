@@ -252,7 +252,7 @@ def test_bushing_by_diagonal_or_matrix():
     stiffness = np.arange(36.0).reshape(6, 6)
     force = force_of(bushing={"stiffness": stiffness, "damping": [1, 2, 3, 4, 5, 6]},
                      between=["a", "b"])
-    assert (force.kind, force.input, force.output) == ("bushing", (), [])
+    assert (force.kind, force.input, force.output) == ("bushing", (), ())
     assert_allclose(force.bushing.stiffness_matrix(), stiffness)
     assert_allclose(force.bushing.damping_matrix(), np.diag([1, 2, 3, 4, 5, 6]))
     force = force_of(bushing={"stiffness": [1] * 6}, between=["a", "b"])
