@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from ..kernels import coordinates, layout, outputs
+from ..kernels import coordinates, layout, outputs, tables
 from ..kernels.joints import KINDS, N_Q, N_V
 from ..scene import Problem, Scene
 from ..topology import Tree, axes_with_z, chain
 from ..variables import Variable, subscripts
+from .interpolation import curve
 from .start import coupled_angles
 
 
@@ -154,15 +155,22 @@ class Builder:
         return self.tables["n_turn"].add(turn_coordinate=self.tables["n_coordinate"].length, turn_start=angle)
 
     def table(self, polynomial, beyond):
-        """Index of a piecewise cubic function (scipy PPoly of degree at most 3); `beyond`: see kernels/tables.py."""
+        """Index of a piecewise polynomial (scipy PPoly of degree at most 5); `beyond`: see kernels/tables.py."""
         first = self.tables["n_knot"].length
-        coefficients = np.zeros((4, len(polynomial.x)))
+        coefficients = np.zeros((6, len(polynomial.x)))
         coefficients[: len(polynomial.c), :-1] = polynomial.c[::-1]
+        h = np.diff(polynomial.x)
+        areas = np.cumsum([0.0, *sum(coefficients[k, :-1] * h ** (k + 1) / (k + 1) for k in range(6))])
 
-        for x, c in zip(polynomial.x, coefficients.T):
-            self.tables["n_knot"].add(knot_x=x, knot_c=c)
+        for x, c, area in zip(polynomial.x, coefficients.T, areas):
+            self.tables["n_knot"].add(knot_x=x, knot_c=c, knot_area=area)
 
         return self.tables["n_table"].add(table_knot=first, table_knots=len(polynomial.x), table_beyond=beyond)
+
+    def tables_over_time(self, interpolation, time, values):
+        """Index of the first of the tables over time of one value (n,), or of several (n, k); they keep their end values."""
+        columns = np.reshape(values, (len(time), -1)).T
+        return [self.table(curve(interpolation, time, column), tables.HOLD) for column in columns][0]
 
     def reaction(self, joint):
         """Index of a joint's reaction."""

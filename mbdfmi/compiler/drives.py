@@ -1,9 +1,8 @@
 """Prescribed motion of joints and of the ground; couplings between joints."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from ..kernels import drives, outputs, rows, tables
+from ..kernels import drives, outputs, rows
 from ..variables import dotted
 from .joints import COORDINATES
 from .start import start_coordinate
@@ -49,18 +48,6 @@ def _add(builder, kind, node, value=(), at=0):
     return builder.tables["n_drive"].add(drive_kind=kind, drive_body=node, drive_at=at, drive_value=values)
 
 
-def _spline(builder, time, values):
-    """Index of the first of the tables of a cubic spline over time, one for each column."""
-    columns = np.reshape(values, (len(time), -1)).T
-    tables_ = [builder.table(_cubic(time, column), tables.HOLD) for column in columns]
-    return tables_[0]
-
-
-def _cubic(time, values):
-    """A cubic spline; of fewer than four points the polynomial through them."""
-    return CubicSpline(time, values, bc_type="not-a-knot" if len(time) > 2 else "natural")
-
-
 def _add_joint_drive(builder, name, joint, node):
     driver = joint.driver
     position, speed, unit = COORDINATES[joint.kind][0]
@@ -81,8 +68,8 @@ def _add_joint_drive(builder, name, joint, node):
         return _add(builder, drives.HARMONIC, node, value)
 
     if driver.kind == "table":
-        time, values = driver.table.points()
-        return _add(builder, drives.TABLE, node, at=_spline(builder, time, values))
+        table = builder.tables_over_time(driver.table.interpolation, *driver.table.points())
+        return _add(builder, drives.TABLE, node, at=table)
 
     nodes = builder.nodes_of(name)
     first = None
@@ -115,7 +102,8 @@ def _add_ground(builder, motion, node):
 
     if motion.kind == "table":
         time, position, E = motion.table.points()
-        return _add(builder, drives.GROUND_TABLE, node, at=_spline(builder, time, np.hstack([position, E])))
+        table = builder.tables_over_time(motion.table.interpolation, time, np.hstack([position, E]))
+        return _add(builder, drives.GROUND_TABLE, node, at=table)
 
     first = None
 

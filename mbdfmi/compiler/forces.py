@@ -1,10 +1,8 @@
 """Force elements between two markers, and loads on one."""
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from ..kernels import outputs
-from ..kernels.tables import HOLD
 from ..variables import dotted
 from .elastic import elastic_table
 from .start import start_pose
@@ -155,7 +153,7 @@ def _add_load(builder, name, spec, marker):
 
         for quantity, vectors in zip(tables, columns):
             if np.any(vectors):
-                tables[quantity] = _vector_tables(builder, time, vectors)
+                tables[quantity] = builder.tables_over_time(spec.table.interpolation, time, vectors)
 
     row = builder.tables["n_load"].add(
         load_marker=marker,
@@ -172,9 +170,3 @@ def _add_load(builder, name, spec, marker):
             builder.add_parameters(dotted(name, quantity), f"load_{quantity}", row, value, unit, about)
 
     return row
-
-
-def _vector_tables(builder, time, vectors):
-    """Index of the first of 3 tables of a vector over time: straight lines from point to point, held beyond the ends."""
-    slopes = np.diff(vectors, axis=0) / np.diff(time)[:, None]
-    return [builder.table(PPoly([slope, value], time), HOLD) for slope, value in zip(slopes.T, vectors[:-1].T)][0]

@@ -1,10 +1,10 @@
 """Where things are at the start, as far as start values alone tell."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from ..topology import IDENTITY, compose, inverse
+from .interpolation import curve
 
 # kinds of the joints that couplings are between
 COUPLED = ("revolute", "prismatic")
@@ -88,7 +88,7 @@ def _ground_pose(motion):
     if motion.kind == "table":
         time, position, E = motion.table.points()
         now = np.clip(0.0, time[0], time[-1])
-        r, E = np.split(CubicSpline(time, np.hstack([position, E]))(now), [3])
+        r, E = np.split([curve(motion.table.interpolation, time, y)(now) for y in np.hstack([position, E]).T], [3])
         return r, Rotation.from_quat(E).as_matrix()
 
     return IDENTITY

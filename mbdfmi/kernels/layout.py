@@ -39,7 +39,7 @@ COUNTS = (
     "n_reach",  # values of all rows' responses in the joints between
     "n_meet",  # pairs of constraints that share joints, or meet in the factor by fill
     "n_factor",  # values of the factor of the rows' inverse inertia
-    "n_table",  # piecewise cubic functions
+    "n_table",  # piecewise polynomials
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
     "n_curve",
@@ -203,7 +203,8 @@ ARRAYS = (
     Row("turn_start", "reals", 1, "n_turn", "rad, near which the angle starts"),
     # constants
     Row("knot_x", "reals", 1, "n_knot", "argument of a table"),
-    Row("knot_c", "reals", 4, "n_knot", "cubic to the next knot, from here: 1, s, s^2, s^3"),
+    Row("knot_c", "reals", 6, "n_knot", "polynomial to the next knot, from here: 1, s, ..., s^5"),
+    Row("knot_area", "reals", 1, "n_knot", "integral of the table from its first knot to here"),
     Row("curve_value", "reals", 1, "n_curve", "radius, coefficient, or period of a closed spline, 0: open"),
     Row("curve_side", "reals", 3, "n_curve", "a direction that the curve is never parallel to"),
     Row("curve_size", "reals", 1, "n_curve", "m, reach from its marker's origin, 0: without end"),

@@ -10,7 +10,7 @@ from .errors import show
 from .fields import (
     Array, Matrix6, NotNegative, OneOf, Part, SomeOf, Vector, Vector6, by_key, number_or,
 )
-from .tables import Ascending, ForceDamper, ForceOverLength, Table, Vectors
+from .tables import Ascending, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
 
 
 class SpringDamperOptions(Part):
@@ -131,11 +131,15 @@ def _block(values):
 
 
 class LoadOverTime(Table):
-    """time : s, and either or both of force : (n, 3) in N, moment : (n, 3) in N m."""
+    """time : s, and either or both of force : (n, 3) in N, moment : (n, 3) in N m.
+
+    interpolation : between the points, as told above under Tables; before the first and after the last the load is theirs.
+    """
 
     time: Ascending
     force: Vectors | None = None
     moment: Vectors | None = None
+    interpolation: LoadReading = "linear"
 
     @model_validator(mode="after")
     def _check_not_empty(self):

@@ -11,7 +11,7 @@ from .fields import (
     unit_vector,
 )
 from .orientation import unit_euler_parameters
-from .tables import Ascending, Rows, Table, Vectors
+from .tables import Ascending, MotionReading, Rows, Table, Vectors
 
 
 class ConstantAcceleration(Part):
@@ -114,6 +114,8 @@ class PoseOverTime(Table):
 
     position : (n, 3) in m.
     zyx_deg, zyx_rad : (n, 3) yaw, pitch, roll; or euler_parameters : (n, 4), scalar last.
+    interpolation : of positions and Euler parameters between the points, as told above under Tables; before the first and
+        after the last the ground stands still.
     """
 
     exclusive = (("zyx_deg", "zyx_rad", "euler_parameters"),)
@@ -126,10 +128,11 @@ class PoseOverTime(Table):
         Rows(4, "rows of Euler parameters [E1, E2, E3, E4], scalar last"),
         AfterValidator(_unit_rows),
     ] | None = None
+    interpolation: MotionReading = "smooth"
 
     @model_validator(mode="after")
     def _check_not_empty(self):
-        if not self.model_fields_set - {"time"}:
+        if not self.model_fields_set - {"time", "interpolation"}:
             raise ValueError(
                 'needs "position" or an orientation: "zyx_deg", "zyx_rad" or "euler_parameters"'
             )
@@ -152,7 +155,7 @@ class PoseOverTime(Table):
 
 
 class Tabulated(Part):
-    """table = { time, position, zyx_deg }: splines through the points."""
+    """table = { time, position, zyx_deg, interpolation }"""
 
     kind: ClassVar[str] = "table"
 

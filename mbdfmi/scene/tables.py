@@ -1,4 +1,4 @@
-"""Tables: quantities given at points, between which they are interpolated."""
+"""Tables: quantities given at points, between which they are interpolated (compiler/interpolation.py)."""
 
 from typing import Annotated, ClassVar
 
@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from .errors import quoted, show
-from .fields import Part, array, in_si
+from .fields import OneOf, Part, array, in_si
 
 
 def rows(value, width, what, least=2):
@@ -37,12 +37,18 @@ Vectors = Rows(3, "vectors [x, y, z]")
 Ascending = Annotated[Numbers, AfterValidator(_ascending)]
 
 
+# how tables of forces and of motions are read between their points
+ForceReading = OneOf("linear", "monotone", "cubic")
+LoadReading = OneOf("linear", "steps", "monotone", "cubic")
+MotionReading = OneOf("smooth", "quintic", "cubic", "linear")
+
+
 class Table(Part):
-    """A table has the argument first, then a value of each quantity for each of its values."""
+    """A table has the argument first, then a value of each quantity for each of its values, then how it is read."""
 
     @model_validator(mode="after")
     def _check_lengths(self):
-        given = {key: getattr(self, key) for key in type(self).model_fields}
+        given = {key: getattr(self, key) for key in type(self).model_fields if key != "interpolation"}
         (first, xs), *others = ((key, v) for key, v in given.items() if v is not None)
         for key, values in others:
             if len(values) != len(xs):
@@ -64,7 +70,11 @@ class Graph(Table):
         return in_si(self, self.argument), in_si(self, self.value)
 
 
-class EffortOverPosition(Graph):
+class ForceGraph(Graph):
+    """interpolation : between the points, as told above under Tables; beyond the first and the last it goes on straight."""
+
+
+class EffortOverPosition(ForceGraph):
     """position : m. effort : what the spring bears there, N, as stiffness * (position - rest)."""
 
     argument = "position"
@@ -72,9 +82,10 @@ class EffortOverPosition(Graph):
 
     position: Ascending
     effort: Numbers
+    interpolation: ForceReading = "linear"
 
 
-class EffortOverAngle(Graph):
+class EffortOverAngle(ForceGraph):
     """position (rad) or position_deg. effort : what the spring bears there, N m."""
 
     needed = (("position", "position_deg"),)
@@ -84,9 +95,10 @@ class EffortOverAngle(Graph):
     position: Ascending | None = None
     position_deg: Ascending | None = None
     effort: Numbers
+    interpolation: ForceReading = "linear"
 
 
-class EffortOverSpeed(Graph):
+class EffortOverSpeed(ForceGraph):
     """speed : m/s, rad/s. effort : what the damper bears there, N, N m, as damping * speed."""
 
     argument = "speed"
@@ -94,9 +106,10 @@ class EffortOverSpeed(Graph):
 
     speed: Ascending
     effort: Numbers
+    interpolation: ForceReading = "linear"
 
 
-class ForceOverLength(Graph):
+class ForceOverLength(ForceGraph):
     """length : m. force : N, tension positive."""
 
     argument = "length"
@@ -104,9 +117,10 @@ class ForceOverLength(Graph):
 
     length: Ascending
     force: Numbers
+    interpolation: ForceReading = "linear"
 
 
-class ForceOverSpeed(Graph):
+class ForceOverSpeed(ForceGraph):
     """speed : at which it lengthens, m/s. force : N, tension positive."""
 
     argument = "speed"
@@ -114,28 +128,60 @@ class ForceOverSpeed(Graph):
 
     speed: Ascending
     force: Numbers
+    interpolation: ForceReading = "linear"
 
 
-class PositionOverTime(Graph):
-    """time : s. position : m."""
+class MotionOverTime(Graph):
+    """interpolation : between the points, as told above under Tables; before the first and after the last it stands still."""
 
     argument = "time"
     value = "position"
+
+
+class PositionOverTime(MotionOverTime):
+    """time : s. position : m."""
 
     time: Ascending
     position: Numbers
+    interpolation: MotionReading = "smooth"
 
 
-class AngleOverTime(Graph):
+class AngleOverTime(MotionOverTime):
     """time : s. position (rad) or position_deg."""
 
     needed = (("position", "position_deg"),)
-    argument = "time"
-    value = "position"
 
     time: Ascending
     position: Numbers | None = None
     position_deg: Numbers | None = None
+    interpolation: MotionReading = "smooth"
+
+
+class RateOverTime(Graph):
+    """interpolation : between the points, as told above under Tables; before the first and after the last the speed is theirs."""
+
+    argument = "time"
+    value = "speed"
+
+
+class SpeedOverTime(RateOverTime):
+    """time : s. speed : m/s."""
+
+    time: Ascending
+    speed: Numbers
+    interpolation: MotionReading = "smooth"
+
+
+class AngularSpeedOverTime(RateOverTime):
+    """time : s. speed (rad/s), speed_deg (deg/s) or speed_rpm."""
+
+    needed = (("speed", "speed_deg", "speed_rpm"),)
+
+    time: Ascending
+    speed: Numbers | None = None
+    speed_deg: Numbers | None = None
+    speed_rpm: Numbers | None = None
+    interpolation: MotionReading = "smooth"
 
 
 class EffortDamper(Part):
