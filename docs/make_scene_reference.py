@@ -19,6 +19,7 @@ FOLDER = Path(__file__).parent
 KINDS = {
     fields.Number: "number",
     fields.Positive: "number > 0",
+    fields.Tolerance: "number from 1e-14 to 0.1",
     fields.NotNegative: "number >= 0",
     fields.NotZero: "number, not 0",
     fields.Axis: "axis",

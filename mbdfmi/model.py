@@ -10,7 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from .compiler.absolute import add_absolute_starts, start_motion
-from .compiler.bodies import add_bodies, add_ground_outputs, add_markers, add_measures, add_scene_outputs, add_settings
+from .compiler.bodies import (
+    add_bodies,
+    add_ground_outputs,
+    add_markers,
+    add_measures,
+    add_scene_outputs,
+    add_settings,
+    add_work_limit,
+)
 from .compiler.builder import Builder
 from .compiler.constraints import add_constraints
 from .compiler.contacts import add_contacts
@@ -126,6 +134,7 @@ def _assemble(builder):
         "n_jacobian": implicit * counts["n_x"] ** 2,
         "n_swap": implicit * counts["n_x"],
     }
+    add_work_limit(builder, counts)
     header, length = layout.arrange(counts)
     buffers = {"ints": np.zeros(length["ints"], np.int64), "reals": np.zeros(length["reals"])}
     buffers["ints"][: len(header)] = header

@@ -97,6 +97,22 @@ def add_settings(builder):
         builder.add_parameters(f"solver.{name}", name, 0, getattr(solver, name), None, about)
 
 
+# s, that a communication step should cost at most, estimated generously
+LONGEST_STEP = 6.0
+
+
+def add_work_limit(builder, counts):
+    """How many evaluations a communication step may cost: the user's number, else from about what one costs (s)."""
+    rows = counts.get("n_row", 0)
+    cost = 3e-7 + 2e-7 * counts["n_body"] + 3e-7 * rows + 1e-6 * counts.get("n_contact", 0)
+    cost += 1e-9 * counts.get("n_factor", 0) ** 2 / max(1, rows)
+    cost += 2e-10 * counts["n_v"] ** 3 if builder.embeds else 0.0
+    most = builder.scene.solver.max_evaluations or float(f"{LONGEST_STEP / cost:.1e}")
+    builder.single["max_evaluations"] = most
+    about = "largest work of a communication step, in evaluations of the accelerations"
+    builder.add_parameters("solver.max_evaluations", "max_evaluations", 0, most, None, about)
+
+
 def add_bodies(builder):
     """Nodes and the solids in them."""
     for i, node in enumerate(builder.nodes):

@@ -6,6 +6,8 @@ section IV.2: PI control of explicit pairs. IV.8: Gustafsson's predictive contro
 
 import math
 
+import numpy as np
+
 from . import contacts, joints
 from .language import inlined
 from .project import project, restore_x
@@ -20,7 +22,7 @@ GROW = 10.0
 # errors less than this are taken for it in the memory of the controllers
 LEAST_ERROR = 1e-4
 
-# a step that falls below this part of the communication step will not do
+# a step that falls below this part of the communication step, or of a second where that is longer, will not do
 LEAST_STEP = 1e-13
 
 
@@ -93,8 +95,9 @@ def predictive_factor(error, error_before, h, h_before, order):
 
 @inlined
 def equal_steps(H, most):
-    """Number of equal steps of at most `most` (s) over H (s)."""
-    return max(1, int(math.ceil(H / most * (1.0 - 1e-12))))
+    """(number of equal steps of at most `most` (s) over H (s), their length (s)). The number may be beyond all integers."""
+    n_step = max(1.0, np.ceil(H / most * (1.0 - 1e-12)))
+    return n_step, H / n_step if n_step < math.inf else most
 
 
 @inlined
@@ -111,12 +114,36 @@ def accept(m, d):
 
 
 @inlined
+def least_step(H):
+    """The shortest inner step (s) that will do in a communication step of H (s)."""
+    return LEAST_STEP * min(H, 1.0)
+
+
+@inlined
 def too_small(finite, failure):
     """Status where no step is small enough: the failure of the kernels, if it was one."""
     if failure != OK:
         return failure
 
     return status(STEP_TOO_SMALL if finite else NOT_FINITE, 0)
+
+
+@inlined
+def limit_work(m, d):
+    """Begin to count the work of a communication step."""
+    d.evaluation_limit[0] = d.evaluations[0] + m.max_evaluations[0]
+
+
+@inlined
+def is_spent(d):
+    """Whether a communication step has had all the work that it may cost."""
+    return not d.evaluations[0] < d.evaluation_limit[0]
+
+
+@inlined
+def spend(d, evaluations):
+    """Count work other than evaluations, as if it were so many of them."""
+    d.evaluation_limit[0] -= evaluations
 
 
 @inlined

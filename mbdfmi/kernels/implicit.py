@@ -18,34 +18,33 @@ from . import control, linear
 from .language import apart, inlined, kernel
 from .project import keep_x, project, restore_x
 from .rates import evaluate, is_finite, store_rate
-from .status import CHANGE_METHOD, OK, status
+from .status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
 from .views import DATA, MODEL
 
-# nodes; Z = T W, and the two eigenvalues of A^-1, the second a complex pair
-ROOT6 = math.sqrt(6.0)
-NODES = np.array([(4.0 - ROOT6) / 10.0, (4.0 + ROOT6) / 10.0, 1.0])
-MU = 3.0 + 3.0 ** (2 / 3) - 3.0 ** (1 / 3)
-MU_RE = 3.0 + 0.5 * (3.0 ** (1 / 3) - 3.0 ** (2 / 3))
-MU_IM = -0.5 * (3.0 ** (5 / 6) + 3.0 ** (7 / 6))
-ERROR = np.array([(-13.0 - 7.0 * ROOT6) / 3.0, (-13.0 + 7.0 * ROOT6) / 3.0, -1.0 / 3.0])
+# nodes (4 -+ sqrt 6) / 10 and 1, weights of the error estimate (-13 -+ 7 sqrt 6) / 3 and -1/3
+NODES = np.array([0.1550510257216822, 0.6449489742783178, 1.0])
+ERROR = np.array([-10.048809399827416, 1.382142733160749, -1.0 / 3.0])
 
-
-def _transformation():
-    """(T, T^-1) with T^-1 A^-1 T = diag(MU, [MU_RE, MU_IM; -MU_IM, MU_RE]) for the A of Radau IIA.
-
-    Columns are eigenvectors of A^-1, scaled to 1 in the last component.
-    """
-    powers = NODES[:, None] ** np.arange(3)
-    A = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ np.linalg.inv(powers)
-    values, vectors = np.linalg.eig(np.linalg.inv(A))
-    vectors = vectors / vectors[2]
-    real = vectors[:, np.argmin(abs(values.imag))].real
-    pair = vectors[:, np.argmin(values.imag)]
-    T = np.column_stack([real, pair.real, -pair.imag])
-    return T, np.linalg.inv(T)
-
-
-T, T_INVERSE = _transformation()
+# eigenvalues of A^-1, MU and MU_RE +- i MU_IM: 3 + 9^(1/3) - 3^(1/3), 3 + (3^(1/3) - 9^(1/3)) / 2, -(3^(5/6) + 3^(7/6)) / 2;
+# columns of T are real and imaginary parts of its eigenvectors, scaled to 1 in the last component, so that
+# T^-1 A^-1 T = [MU, 0, 0; 0, MU_RE, -MU_IM; 0, MU_IM, MU_RE]; to 17 digits, for every machine must have the same bits
+MU = 3.637834252744496
+MU_RE = 2.6810828736277523
+MU_IM = -3.0504301992474105
+T = np.array(
+    [
+        [0.09443876248897524, -0.1412552950209542, 0.030029194105147424],
+        [0.2502131229653333, 0.20412935229379994, -0.3829421127572619],
+        [1.0, 1.0, 0.0],
+    ]
+)
+T_INVERSE = np.array(
+    [
+        [4.178718591551905, 0.32768282076106237, 0.5233764454994495],
+        [-4.178718591551905, -0.32768282076106237, 0.47662355450055044],
+        [0.5028726349457868, -2.571926949855605, 0.5960392048282249],
+    ]
+)
 
 MAX_ITERATIONS = 7
 ORDER = 4  # of the error estimate
@@ -65,6 +64,9 @@ EASY_AFTER = 10.0
 
 # of the states, for J
 INCREMENT = 1e-7
+
+# work of the factors over the square of the number of states, in evaluations
+LU_WORK = 0.02
 
 GAMMA_ROS2 = 1.0 - 1.0 / math.sqrt(2.0)
 
@@ -308,6 +310,7 @@ def factor_newton(m, d, h):
         h = d.lu_step[0]
         linear.factor(d.jacobian, MU / h, d.lu_real, d.swaps_real, m.n_x)
         linear.factor_complex(d.jacobian, MU_RE / h, MU_IM / h, d.lu_complex, d.swaps_complex, m.n_x)
+        control.spend(d, LU_WORK * m.n_x * m.n_x)
         d.lu_known[0] = 1.0
 
 
@@ -335,6 +338,10 @@ def radau(m, d, s, H, watch):
     easy = False
 
     while s < H and not easy:
+        if control.is_spent(d):
+            d.radau_step[0] = h
+            return status(TOO_MUCH_WORK, 0), s
+
         keep_x(m, d)
 
         if not known:
@@ -367,9 +374,13 @@ def radau(m, d, s, H, watch):
         # equal steps to the end, so that their factors serve them all
         h = min(h, m.max_step[0])
         left = H - s
-        step = left / control.equal_steps(left, h * (1.0 + SAME_STEP)) if left < 1e6 * h else h
+        step = control.equal_steps(left, h * (1.0 + SAME_STEP))[1] if left < 1e6 * h else h
         cut = step >= left * (1.0 - SAME_STEP)
         step = left if cut else step
+
+        if not s + step > s:
+            return control.too_small(True, OK), s
+
         factor_newton(m, d, step)
         guess_stages(m, d, step)
         converged, iterations, rate, failure = find_stages(m, d, s, step)
@@ -426,7 +437,7 @@ def radau(m, d, s, H, watch):
             else:
                 d.jacobian_known[0] = 0.0
 
-            if not h >= control.LEAST_STEP * H:
+            if not h >= control.least_step(H):
                 return control.too_small(converged, failure), s
 
     d.radau_step[0] = h
@@ -442,12 +453,16 @@ def ros2(m, d, H):
     Returns (status, time reached within H).
     """
     n = m.n_x
-    n_step = control.equal_steps(H, m.step[0])
-    h = H / n_step
+    n_step, h = control.equal_steps(H, m.step[0])
     mu = 1.0 / (GAMMA_ROS2 * h)
+    step = 0
 
-    for step in range(n_step):
+    while step < n_step:
         s = step * h
+
+        if control.is_spent(d):
+            return status(TOO_MUCH_WORK, 0), s
+
         keep_x(m, d)
         failure = evaluate(m, d, s)
 
@@ -457,6 +472,7 @@ def ros2(m, d, H):
 
         if failure == OK:
             linear.factor(d.jacobian, mu, d.lu_real, d.swaps_real, n)
+            control.spend(d, LU_WORK * n * n)
 
             for k in range(n):
                 d.stage[k] *= mu
@@ -484,5 +500,7 @@ def ros2(m, d, H):
 
         if failure != OK:
             return failure, s
+
+        step += 1
 
     return OK, H

@@ -172,6 +172,8 @@ def advance(m, d, H):
     if not onward:
         control.forget(d)
 
+    control.limit_work(m, d)
+
     if m.integrator == RK4:
         failure, reached = explicit.rk4(m, d, H)
     elif m.integrator == ROS2:

@@ -169,6 +169,7 @@ ARRAYS = (
     Row("tolerance", "reals", 1, 1, "relative, adaptive step"),
     Row("absolute_tolerance", "reals", 1, 1, "m, rad, m/s, rad/s"),
     Row("max_step", "reals", 1, 1, "s"),
+    Row("max_evaluations", "reals", 1, 1, "that a communication step may cost"),
     Row("solid_mass", "reals", 1, "n_solid", "kg"),
     Row("solid_com", "reals", 3, "n_solid", "m, centre of mass in the user's body frame"),
     Row("solid_inertia", "reals", 6, "n_solid", "kg m2 about the centre of mass, user's body axes (symmetric)"),
@@ -320,6 +321,7 @@ ARRAYS = (
     Row("change_alpha", "work", 3, "n_body", "response of the nodes"),
     Row("change_rdd", "work", 3, "n_body", ""),
     # work: steppers
+    Row("evaluation_limit", "work", 1, 1, "evaluations since the start at which the communication step has cost too much"),
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
     Row("x_scale", "work", 1, "n_x", "error weights"),
     Row("stage", "work", N_STAGE, "n_x", "rates of the stages, right-hand sides of the implicit methods"),

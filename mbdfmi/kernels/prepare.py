@@ -3,7 +3,20 @@
 from . import algebra as al
 from . import control
 from .language import inlined, kernel
-from .status import BAD_INERTIA, BAD_MASS, BAD_SOLVER_SETTING, OK, status
+from .status import (
+    BAD_ABSOLUTE_TOLERANCE,
+    BAD_INERTIA,
+    BAD_MASS,
+    BAD_MAX_EVALUATIONS,
+    BAD_SOLVER_SETTING,
+    BAD_TOLERANCE,
+    OK,
+    status,
+)
+
+# below, rounding is all there is; above, errors are no longer small against the motion
+LEAST_TOLERANCE = 1e-14
+LARGEST_TOLERANCE = 0.1
 
 
 @inlined
@@ -56,8 +69,14 @@ def prepare(m, d):
     control.forget(d)
     d.jacobian_known[0] = 0.0
 
-    if not (m.tolerance[0] > 0.0 and m.absolute_tolerance[0] > 0.0):
-        return status(BAD_SOLVER_SETTING, 0)
+    if not LEAST_TOLERANCE <= m.tolerance[0] <= LARGEST_TOLERANCE:
+        return status(BAD_TOLERANCE, 0)
+
+    if not LEAST_TOLERANCE <= m.absolute_tolerance[0] <= LARGEST_TOLERANCE:
+        return status(BAD_ABSOLUTE_TOLERANCE, 0)
+
+    if not m.max_evaluations[0] >= 1.0:
+        return status(BAD_MAX_EVALUATIONS, 0)
 
     if not (m.step[0] > 0.0 and m.max_step[0] > 0.0):
         return status(BAD_SOLVER_SETTING, 0)

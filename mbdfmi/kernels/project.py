@@ -7,7 +7,8 @@ from numba.types import float64, int64
 from . import algebra as al
 from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
 from .language import apart, inlined, kernel
-from .status import LOOP_OPEN, OK, status
+from .rates import is_finite
+from .status import LOOP_OPEN, NOT_FINITE, OK, status
 from .views import DATA, MODEL
 
 MAX_ITERATIONS = 50
@@ -103,6 +104,7 @@ def project_positions(m, d, gap_allowed):
     gap_before = math.inf
 
     for iteration in range(MAX_ITERATIONS):
+        d.evaluation_limit[0] -= 1.0
         see_rows(m, d)
         gap = largest(d.row_gap, m.n_row)
         done = gap <= ROUNDING or (gap > STALLED * gap_before and gap <= gap_allowed)
@@ -170,6 +172,9 @@ def project(m, d):
             factor_for_velocities(m, d)
             dynamics.exchange_rows(m, d)
             project_velocities(m, d)
+
+    if failure == OK and not is_finite(d, m.n_x):
+        failure = status(NOT_FINITE, 0)
 
     return failure
 

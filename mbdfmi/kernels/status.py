@@ -29,6 +29,12 @@ NO_STAGES = 9
 STIFF = 10
 NOT_STIFF = 11
 
+# settings of the solver, and its work
+BAD_TOLERANCE = 40
+BAD_ABSOLUTE_TOLERANCE = 41
+BAD_MAX_EVALUATIONS = 42
+TOO_MUCH_WORK = 43
+
 # among steppers: another method must go on
 CHANGE_METHOD = 12
 
@@ -40,7 +46,12 @@ MESSAGES = {
     "must be positive",
     BAD_MASS: "the mass of %s is negative",
     BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
-    BAD_SOLVER_SETTING: "the solver's step or tolerance is not positive",
+    BAD_SOLVER_SETTING: "solver.step is not positive",
+    BAD_TOLERANCE: "solver.tolerance must be from 1e-14 to 0.1",
+    BAD_ABSOLUTE_TOLERANCE: "solver.absolute_tolerance must be from 1e-14 to 0.1",
+    BAD_MAX_EVALUATIONS: "solver.max_evaluations must be at least 1",
+    TOO_MUCH_WORK: "the step costs more than solver.max_evaluations allows: the motion is too fast for a step so long; look for "
+    "huge values of inputs and parameters, take shorter steps, or raise solver.max_evaluations",
     NO_STAGES: "the implicit stages of a step were not found: the motion is stiff, or passes a singular position, or the step "
     "is too long; make solver.step smaller, or take integrator = \"auto\"",
     STIFF: "the motion is stiff: the implicit method goes on from here",

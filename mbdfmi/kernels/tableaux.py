@@ -339,5 +339,36 @@ STAGES = np.array([_padded(rows, (N_STAGE, N_STAGE)) for rows in (STAGES_54, STA
 ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_853)])
 DENSE = np.array([_padded(rows, (N_DENSE - 3, N_STAGE)) for rows in (DENSE_54, DENSE_853)])
 
+
+
+def _gaps(pair, weights):
+    """Combinations of the stages (len(weights), N_STAGE): how far the continuous extension of a pair misses its last states.
+
+    Stage i's rate was found at the state x + h sum_j a_ij k_j; the extension, which has that rate there, goes through another.
+    """
+    unit = np.eye(N_STAGE)
+    end = STAGE_COUNT[pair] - 1
+    change = STAGES[pair, end]
+    terms = [change, unit[0] - change, 2.0 * change - unit[0] - unit[end], *DENSE[pair]]
+    gaps = np.zeros((len(weights), N_STAGE))
+
+    for row, weight in enumerate(weights):
+        stage = STAGE_TOTAL[pair] - len(weights) + row
+        theta = NODES[pair, stage]
+        value = np.zeros(N_STAGE)
+
+        for k in range(DENSE_COUNT[pair] - 1, -1, -1):
+            value = (value + terms[k]) * (theta if k % 2 == 0 else 1.0 - theta)
+
+        gaps[row] = weight * (value - STAGES[pair, stage])
+
+    return gaps
+
+
+# where an extension has stages that the step's error estimate does not see: weighed so that an error in one of these rates
+# counts at least about as much as it does in the extension
+GAP_COUNT = np.array([0, 2])
+GAPS = _gaps(PAIR_853, (47.0, 0.2))
+
 # from where on h |lambda| is at the border of stability (the same codes)
 STABLE = np.array([3.25, 6.1])

@@ -14,6 +14,10 @@ from .messages import TAG, problems_of
 LARGEST = 1e30
 SMALLEST = 1 / LARGEST
 
+# Below, rounding is all there is; above, errors are no longer small against the motion.
+LEAST_TOLERANCE = 1e-14
+LARGEST_TOLERANCE = 0.1
+
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 AXES |= {"-" + name: tuple(-c for c in axis) for name, axis in AXES.items()}
 
@@ -51,10 +55,17 @@ def _not_negative(value):
     return number(value)
 
 
+def _tolerance(value):
+    if not LEAST_TOLERANCE <= number(value) <= LARGEST_TOLERANCE:
+        raise ValueError(f"must be from 1e-14 to 0.1, found {show(value)}")
+    return number(value)
+
+
 Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, BeforeValidator(_positive)]
 NotNegative = Annotated[float, BeforeValidator(_not_negative)]
 NotZero = Annotated[float, BeforeValidator(_not_zero)]
+Tolerance = Annotated[float, BeforeValidator(_tolerance)]
 
 
 # yes and no

@@ -7,7 +7,7 @@ from .bodies import Body, Ground
 from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
 from .errors import SceneError
-from .fields import OneOf, Part, Positive, SomeOf, Vector
+from .fields import OneOf, Part, Positive, SomeOf, Tolerance, Vector
 from .forces import Force
 from .joints import Joint
 from .measures import Measure
@@ -41,15 +41,19 @@ class Solver(Part):
     step : s, of those with a fixed step.
     tolerance, absolute_tolerance : of the adaptive ones, relative and absolute.
     max_step : s, of the adaptive ones, or None.
-    output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative).
+    max_evaluations : of the accelerations in one communication step, iterations of the projection counted as such; a step that
+        needs more stops with the time reached. Without it, as many as take about 10 s.
+    output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative), those of
+        what is read off between inner steps included.
     """
 
     integrator: OneOf(*ADAPTIVE, *FIXED_STEP) = "auto"
     formulation: OneOf("auto", "recursive", "embedding", "augmented") = "auto"
     step: Positive | None = None
-    tolerance: Positive = 1e-8
-    absolute_tolerance: Positive = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
+    tolerance: Tolerance = 1e-8
+    absolute_tolerance: Tolerance = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
     max_step: Positive | None = None
+    max_evaluations: Positive | None = None
     output: SomeOf(*SOLVER_OUTPUTS) = []
 
     @model_validator(mode="after")
