@@ -337,7 +337,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
         step = left if cut and not passes else h
 
         if not s + step > s:
-            return control.too_small(step < math.inf, OK), s
+            return control.too_small(0.0 < step < math.inf, OK), s
 
         keep_x(m, d)
 

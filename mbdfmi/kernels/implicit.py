@@ -379,7 +379,7 @@ def radau(m, d, s, H, watch):
         step = left if cut else step
 
         if not s + step > s:
-            return control.too_small(step < math.inf, OK), s
+            return control.too_small(0.0 < step < math.inf, OK), s
 
         factor_newton(m, d, step)
         guess_stages(m, d, step)
