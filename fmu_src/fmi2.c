@@ -96,10 +96,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDef
 {
     ENTER(component, INSTANTIATED);
 
-    /* the scene's own tolerance holds */
-    (void)toleranceDefined;
-    (void)tolerance;
-
+    if (toleranceDefined && !(isfinite(tolerance) && tolerance > 0))
+        REFUSE("%s: the tolerance is %g and must be positive", __func__, tolerance);
     if (!isfinite(startTime)) REFUSE("%s: the start time is %g", __func__, startTime);
     if (stopTimeDefined && !(stopTime >= startTime))
         REFUSE("%s: the stop time %.9g s is before the start time %.9g s", __func__, stopTime,
@@ -109,6 +107,11 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean toleranceDef
     c->core->stop_time = stopTimeDefined ? stopTime : INFINITY;
     c->core->started = 0;
     c->current = false;
+
+    /* the same digits from every master */
+    if (toleranceDefined)
+        return instance_log(c, fmi2OK, "the tolerance %g is not used: the scene's own holds",
+                            tolerance);
     return fmi2OK;
 }
 
@@ -190,6 +193,10 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], s
             if (result == fmi2OK) value[i] = c->y[vr[i] - r->n_u];
         }
         else value[i] = c->reals[r->param_index[parameter_of(c, vr[i])]];
+
+        if (result == fmi2OK && !isfinite(value[i]))
+            REFUSE("%s: '%s' (value reference %u) is %g", __func__, r->names[vr[i]], vr[i],
+                   value[i]);
     }
     return result;
 }
@@ -225,13 +232,17 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
     if (result != fmi2OK) return result;
 
     for (size_t i = 0; i < nvr; i++) {
+        bool input = is_input(c, vr[i]);
+        double *place = input ? &c->u[vr[i]]
+                              : &c->reals[c->resource.param_index[parameter_of(c, vr[i])]];
+
+        /* a value that stands already changes nothing, not even what the solver remembers */
+        if (memcmp(place, &value[i], sizeof *place) == 0) continue;
+
+        *place = value[i];
         c->current = false;
         if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
-        if (is_input(c, vr[i])) c->u[vr[i]] = value[i];
-        else {
-            c->reals[c->resource.param_index[parameter_of(c, vr[i])]] = value[i];
-            c->core->prepared = 0;
-        }
+        if (!input) c->core->prepared = 0;
     }
     return fmi2OK;
 }

@@ -88,7 +88,13 @@ static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int6
     int64_t code = status % 256, place = status/256;
     const Resource *r = &c->resource;
     const char *text = resource_message(r, code);
-    const char *name = place >= 0 && place < r->n_places ? r->places[place] : "?";
+    const char *name = "?";
+
+    /* the places are followed by the outputs */
+    if (place >= 0 && place < r->n_places) name = r->places[place];
+    else if (place >= 0 && place < r->n_places + r->n_y)
+        name = r->names[r->n_u + place - r->n_places];
+
 
     if (text) fill_in(told, sizeof told, text, name, numbers);
     else snprintf(told, sizeof told, "failure %d at %s", (int)code, name);

@@ -8,6 +8,7 @@
 
 #include "crc32.h"
 #include "kernels.h"
+#include "sha256.h"
 
 #ifdef _WIN32
 #define WIN32_LEAN_AND_MEAN
@@ -17,6 +18,7 @@
 #define FILE_NAME "model.bin"
 #define VERSION 3
 #define N_COUNTS 10
+#define N_SEALED 7                        /* of them: those of numbers */
 #define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
 
 static const char MAGIC[8] = "mbdfmi\0\1";
@@ -86,10 +88,14 @@ static char *file_path(const char *location, char *why, size_t why_size)
         return NULL;
     }
 
-    /* the authority: none, localhost, or (a share of Windows) a host */
+    /* the authority: none, localhost, or (on Windows) the drive that some tools write there, or the
+       host of a share */
     if (uri && starts_with(from, "//localhost/")) from += 11;
     else if (uri && starts_with(from, "///")) from += 2;
-#ifndef _WIN32
+#ifdef _WIN32
+    else if (uri && starts_with(from, "//") && isalpha((unsigned char)from[2]) && from[3] == ':')
+        from += 2;
+#else
     else if (uri && starts_with(from, "//")) {
         fail(why, why_size, "the resource location '%s' names another host", location);
         return NULL;
@@ -107,6 +113,11 @@ static char *file_path(const char *location, char *why, size_t why_size)
         int high = uri && from[0] == '%' ? hex_digit(from[1]) : -1;
         int low = high >= 0 ? hex_digit(from[2]) : -1;
 
+        if (low == 0 && high == 0) {
+            fail(why, why_size, "the resource location '%s' holds a %%00", location);
+            free(path);
+            return NULL;
+        }
         if (low >= 0) {
             *to++ = (char)(16*high + low);
             from += 3;
@@ -171,6 +182,23 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
     return true;
 }
 
+/* Whether the GUID is that of the sizes and the numbers, `size` bytes with what stands behind them. */
+static bool is_sealed(const Sizes *sizes, const unsigned char *numbers, size_t size)
+{
+    Sha256 s;
+    unsigned char digest[SHA256_SIZE];
+    char hex[2*16 + 1], guid[GUID_SIZE];
+
+    sha256_start(&s);
+    sha256_add(&s, sizes->count, N_SEALED*sizeof sizes->count[0]);
+    sha256_add(&s, numbers, size);
+    sha256_end(&s, digest);
+    for (int i = 0; i < 16; i++) snprintf(hex + 2*i, 3, "%02x", digest[i]);
+    snprintf(guid, sizeof guid, "{%.8s-%.4s-%.4s-%.4s-%.12s}", hex, hex + 8, hex + 12, hex + 16,
+             hex + 20);
+    return strcmp(guid, sizes->guid) == 0;
+}
+
 /* Sets the pointers into r->data, trusting no size in it. */
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
@@ -194,7 +222,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2*r->n_param;
     int64_t n_names = r->n_u + r->n_y + r->n_param;
     int64_t n_strings = n_names + r->n_places + 2*r->n_messages + r->n_notices;
-    int64_t room = (int64_t)(length - sizeof sizes);
+    int64_t room = (int64_t)(length - sizeof sizes) - SHA256_SIZE;
 
     if (n_numbers > room/8 || n_strings > room - 8*n_numbers)
         return fail(why, why_size, "its sizes do not agree with its length");
@@ -210,7 +238,10 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
         if (r->param_index[i] < 0 || r->param_index[i] >= r->n_reals)
             return fail(why, why_size, "a parameter lies outside the reals");
 
-    const char *text = (const char *)(r->param_tunable + r->n_param);
+    if (!is_sealed(&sizes, data, (size_t)(8*n_numbers + SHA256_SIZE)))
+        return fail(why, why_size, "its contents are not those that its GUID was made of");
+
+    const char *text = (const char *)(r->param_tunable + r->n_param) + SHA256_SIZE;
     const char *end = (const char *)(r->data + length);
 
     r->names = malloc((size_t)(n_strings + 1)*sizeof *r->names);

@@ -7,8 +7,13 @@
      char guid[64]
      int64 ints[n_ints]; double reals[n_reals]; double u_start[n_u]
      int64 param_index[n_param]; int64 param_tunable[n_param]
+     unsigned char told[32]: a digest of what modelDescription.xml says of the variables
      NUL-terminated UTF-8: names of the n_u + n_y + n_param variables, n_places places, for each
      of the n_messages messages its code in decimal and its text, n_notices notices
+
+   The GUID is the beginning of the SHA-256 of the first 7 sizes, the numbers and `told`. The kernels
+   follow the indices in ints without looking: only what hashes to the GUID that the description has
+   reaches them.
 */
 #ifndef MBDFMI_RESOURCE_H
 #define MBDFMI_RESOURCE_H

@@ -1,5 +1,6 @@
 #include "snapshot.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,13 +79,29 @@ void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
     memcpy(bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
 }
 
-static bool possible(const Core *core)
+/* Whether the core and the numbers behind it could be those of an instance. What the kernels keep in
+   the state is theirs to judge: they end a step or an output that is not finite. */
+static bool possible(const Instance *c, const Core *core)
 {
+    const Resource *r = &c->resource;
+    const double *reals = (const double *)(core + 1), *state = reals + r->n_reals;
+    const double *u = state + r->n_state;
     int64_t mode = core->mode;
-    bool known = mode == INSTANTIATED || mode == INITIALIZATION || mode == STEP_COMPLETE
-                 || mode == STEP_FAILED || mode == TERMINATED;
 
-    return known && (core->prepared | core->started | 1) == 1;
+    if (mode != INSTANTIATED && mode != INITIALIZATION && mode != STEP_COMPLETE
+        && mode != STEP_FAILED && mode != TERMINATED)
+        return false;
+    if ((core->prepared | core->started | 1) != 1) return false;
+    if (mode != INSTANTIATED && mode != INITIALIZATION && !core->started) return false;
+    if (!(isfinite(core->start_time) && isfinite(core->time) && core->stop_time >= core->start_time
+          && core->step >= 0 && isfinite(core->step) && isfinite(state[0])))
+        return false;
+
+    for (int64_t i = 0; i < r->n_reals; i++)
+        if (!isfinite(reals[i]) && !(reals[i] == r->reals[i])) return false;
+    for (int64_t i = 0; i < 3*r->n_u; i++)
+        if (!isfinite(u[i])) return false;
+    return true;
 }
 
 Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size,
@@ -105,7 +122,7 @@ Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_
     *fault = snapshot_fault(c, copy);
     if (!*fault && crc32_of(bytes + HEAD_SIZE, c->core_size) != copy->crc)
         *fault = "its checksum is wrong: damaged";
-    if (!*fault && !possible(&copy->core))
+    if (!*fault && !possible(c, &copy->core))
         *fault = "it holds impossible values";
     if (*fault) {
         free(copy);

@@ -19,6 +19,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from . import __version__
+from .files import check_ending, same, to_standard_output
 
 # names and titles are free text: nothing in them is markup, an emoji or to be coloured
 out = Console(markup=False, highlight=False, emoji=False)
@@ -106,7 +107,7 @@ up to a minute; later ones take a second.""",
     command.add_argument("scenes", nargs="+", **scene)
     command.add_argument(
         "-o", "--output", metavar="PATH",
-        help="the FMU when it ends in .fmu, else a folder (default: <scene's name>.fmu here)",
+        help="the FMU when it ends in .fmu, - for the standard output, else a folder (default: <scene's name>.fmu here)",
     )  # fmt: skip
     command.add_argument(
         "--platform", action="append", metavar="NAME",
@@ -133,7 +134,7 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
         help="communication step, s (default: T/500): how often results are kept; the solver's own steps are finer "
         "where they need to be",
     )  # fmt: skip
-    command.add_argument("--csv", metavar="FILE", help="write all inputs and outputs as a table")
+    command.add_argument("--csv", metavar="FILE", help="write all inputs and outputs as a table; - is the standard output")
     command.add_argument("--plot", metavar="FILE", help="write them as a picture: png, svg or pdf")
     command.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE",
@@ -157,7 +158,7 @@ joints are driven as there are degrees of freedom.""",
         "--drive", action="append", metavar="JOINT",
         help="drive this joint of those in the table (default: all); may be repeated",
     )  # fmt: skip
-    command.add_argument("--csv", metavar="FILE", help="write efforts, motion and outputs as a table")
+    command.add_argument("--csv", metavar="FILE", help="write efforts, motion and outputs as a table; - is the standard output")
     command.add_argument("--plot", metavar="FILE", help="write them as a picture: png, svg or pdf")
     command.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="as in mbdfmi simulate")
 
@@ -227,12 +228,30 @@ def _load(file):
     return load(file)
 
 
-def _writable(text):
-    """The path of a file to be written, looked at before work starts. Raises ValueError that says what hinders."""
+def _writable(text, inputs):
+    """The path of a file to be written, looked at before work starts; `inputs` are files that stay as they are.
+
+    Raises ValueError that says what hinders.
+    """
     path = Path(text)
+
+    for given in inputs:
+        if same(path, given):
+            raise ValueError(f"{path}: is read by this command or written twice; write to another file")
+
+    if to_standard_output(path):
+        return path
 
     if path.is_dir():
         raise ValueError(f"{path}: is a folder; name a file in it")
+
+    if path.exists():
+        if not os.access(path, os.W_OK):
+            raise ValueError(f"{path}: cannot be written, it is not yours to write")
+        if not path.is_file():
+            return path
+
+    path = Path(os.path.realpath(path)) if path.is_symlink() else path
 
     # folders that are missing will be made
     parent = next(folder for folder in path.absolute().parents if folder.exists())
@@ -305,7 +324,12 @@ def _export(options):
 
     files = [file for given in options.scenes for file in _matching(given)]
     target = Path(options.output or "")
-    one_file = target.suffix.lower() == ".fmu" and not target.is_dir()
+    written_to = to_standard_output(target) or (target.exists() and not target.is_file())
+    one_file = (target.suffix.lower() == ".fmu" or written_to) and not target.is_dir()
+    say = err if to_standard_output(target) else out
+
+    if not (one_file or target.exists()):
+        check_ending(target, "FMUs are to be written", ".fmu")
 
     if one_file and len(files) > 1:
         raise ValueError(f"--output {target}: one file cannot hold {len(files)} scenes; name a folder")
@@ -316,7 +340,7 @@ def _export(options):
     for file in files:
         try:
             scene = _load(file)
-            path = _writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu")
+            path = _writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu", files)
 
             if path in written:
                 raise ValueError(f"{file}: has the same name as {written[path]}, so their FMUs would have too")
@@ -325,7 +349,8 @@ def _export(options):
                 scene.export(path, platforms, progress=lambda text: tell(f"{file}: {text}"))
 
             written[path] = file
-            out.print(f"{path}  ({path.stat().st_size / 1024:.0f} KB)", soft_wrap=True)
+            size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""
+            say.print(f"{path}{size}", soft_wrap=True)
         except Exception as error:
             if not _is_told(error):
                 raise
@@ -336,6 +361,22 @@ def _export(options):
         raise ValueError("\n".join(failures))
 
 
+def _outputs(options, *inputs):
+    """The files of --csv and --plot, or None, looked at before work starts."""
+    from .results import Results
+
+    csv = options.csv and _writable(options.csv, inputs)
+    plot = options.plot and _writable(options.plot, [*inputs, *([csv] if csv else [])])
+
+    if csv:
+        Results.check_csv(csv)
+
+    if plot:
+        Results.check_plot(plot)
+
+    return csv, plot
+
+
 def _matching(file):
     """A file, or those that a pattern with * stands for: Windows' shells leave patterns to the program."""
     return sorted(glob.glob(file)) if "*" in file and not Path(file).exists() else [file]
@@ -343,16 +384,11 @@ def _matching(file):
 
 def _inverse(options):
     from .inverse import read_motion
-    from .results import Results
 
+    csv, plot = _outputs(options, options.scene, options.motion)
     scene = _load(options.scene)
     motion = read_motion(options.motion)
     inputs, parameters = _settings(scene.compile(), options.set)
-    csv = options.csv and _writable(options.csv)
-    plot = options.plot and _writable(options.plot)
-
-    if plot:
-        Results.check_plot(plot)
 
     with _time_bar(motion["time"][-1]) as progress:
         results = scene.inverse(motion, drive=options.drive, inputs=inputs, parameters=parameters, progress=progress)
@@ -361,16 +397,10 @@ def _inverse(options):
 
 
 def _simulate(options):
-    from .results import Results
-
+    csv, plot = _outputs(options, options.scene)
     scene = _load(options.scene)
     model = scene.compile()
     inputs, parameters = _settings(model, options.set)
-    csv = options.csv and _writable(options.csv)
-    plot = options.plot and _writable(options.plot)
-
-    if plot:
-        Results.check_plot(plot)
 
     if options.step and abs(options.until / options.step) > MOST_POINTS:
         raise ValueError(f"--step {options.step:g}: more than {MOST_POINTS:,} communication points up to {options.until:g} s")
@@ -385,11 +415,14 @@ def _show(results, csv, plot):
     """Results to files, or a summary to the screen; what the solver had to say of them."""
     _note(results.notices)
 
+    # what was written where, unless it came out of the standard output itself
+    say = err if csv and to_standard_output(csv) else out
+
     if csv:
-        out.print(str(results.to_csv(csv)), soft_wrap=True)
+        say.print(str(results.to_csv(csv)), soft_wrap=True)
 
     if plot:
-        out.print(str(results.plot(plot)), soft_wrap=True)
+        say.print(str(results.plot(plot)), soft_wrap=True)
 
     if not (csv or plot):
         _print_summary(results)
@@ -426,6 +459,8 @@ def _time_bar(until):
 
 def _settings(model, settings):
     """NAME=VALUE texts as inputs and parameters, arrays by component. Raises ValueError for what is neither."""
+    from .scene import variable_name
+
     values = {"input": {}, "parameter": {}}
     variables = {v.name: v for v in model.variables if v.causality in values}
     arrays = {base: list(members) for base, members in groupby(variables.values(), lambda v: _base(v.name))}
@@ -441,6 +476,7 @@ def _settings(model, settings):
         if not (name and numbers and np.all(np.isfinite(numbers))):
             raise ValueError(f"--set {setting}: write NAME=VALUE with a number, as in --set shoulder.torque=5")
 
+        name = variable_name(name)
         members = [variables[name]] if name in variables else arrays.get(name)
 
         if not members:
@@ -699,6 +735,8 @@ def _bench(options):
     if options.long_run and options.problem:
         raise ValueError("--problem names problems of the report; --long-run has orbits of its own: leave out one of them")
 
+    # before a quarter of an hour of work
+    _writable(Path(options.output) / "report.md", [])
     columns = (TextColumn("{task.description}", justify="right"), BarColumn(), TimeRemainingColumn())
 
     with Progress(*columns, console=err, transient=True) as bar:

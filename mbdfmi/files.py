@@ -1,30 +1,134 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all, under the name that was meant and no other."""
 
 import os
+import re
+import shutil
+import stat
+import sys
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+# endings that promise a format
+FORMATS = set(
+    ".csv .tsv .txt .dat .xls .xlsx .ods .json .yaml .yml .toml .xml .html .htm .md .py .m .mat .npy .npz .h5 .hdf5 .parquet "
+    ".feather .pickle .pkl .png .jpg .jpeg .gif .svg .pdf .eps .ps .tif .tiff .webp .fmu .ssp .ssd .zip .gz .bz2 .xz .7z .tar "
+    ".urdf .step .stp .stl .asmt .c .h .so .dll .exe".split()
+)
+
+STANDARD_OUTPUT = "-"
+
 
 @contextmanager
 def replacing(path):
-    """A temporary path beside `path`, which takes its place when the block ends without an error.
+    """A temporary path, which takes the place of `path` when the block ends without an error.
 
-    Folders are made as needed. On an error nothing is left behind and an old file stays as it was.
+    Folders are made as needed. On an error nothing is left behind and an old file stays as it was; an OSError names `path`. Of a
+    symbolic link the target is replaced. What is no plain file (a pipe, a device), and `-`, the standard output, is written to.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    written = _is_written_to(path)
+    target = path if written else Path(os.path.realpath(path))
+
+    try:
+        folder = None if written else target.parent
+        if folder:
+            folder.mkdir(parents=True, exist_ok=True)
+        if target.is_file() and not written and not os.access(target, os.W_OK):
+            raise PermissionError(13, os.strerror(13), str(path))
+        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=folder)
+    except OSError as error:
+        raise _named(error, path) from error
+
     os.close(handle)
     temporary = Path(name)
 
     try:
         yield temporary
 
-        # mkstemp's files are private; a result is as open as the user's other files
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        os.replace(temporary, path)
+        if written:
+            _pour(temporary, path)
+        else:
+            temporary.chmod(_mode(target))
+            os.replace(temporary, target)
+    except OSError as error:
+        if error.filename not in (None, name):
+            raise
+        raise _named(error, path) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def same(one, other) -> bool:
+    """Whether two paths name one plain file, be it there or not yet."""
+    if _is_written_to(Path(one)) or _is_written_to(Path(other)):
+        return False
+
+    if os.path.realpath(one) == os.path.realpath(other):
+        return True
+
+    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
+
+
+def check_ending(path, what, *endings):
+    """Raises ValueError when the path's ending promises a format other than those in `endings`; `what` is to be written."""
+    ending = Path(path).suffix.lower()
+
+    if ending in FORMATS - set(endings):
+        raise ValueError(f"{path}: {what}, which is no {ending} file; let its name end in {endings[0]}")
+
+
+def to_standard_output(path) -> bool:
+    """Whether what is written there comes out of the standard output."""
+    return _descriptor(Path(path)) == 1
+
+
+def _descriptor(path):
+    """The number of the open file that a path stands for, or None."""
+    if str(path) == STANDARD_OUTPUT:
+        return 1
+
+    names = {"/dev/stdin": 0, "/dev/stdout": 1, "/dev/stderr": 2}
+    found = re.fullmatch(r"/(?:dev|proc/self)/fd/(\d+)", path.as_posix())
+    return int(found[1]) if found else names.get(path.as_posix())
+
+
+def _is_written_to(path):
+    """Whether a path is written to and never replaced: all that is no plain file."""
+    if _descriptor(path) is not None:
+        return True
+
+    try:
+        kind = os.stat(path).st_mode
+    except OSError:
+        return False
+
+    return not (stat.S_ISREG(kind) or stat.S_ISDIR(kind))
+
+
+def _pour(source, path):
+    """What is in a file, into what is no plain file."""
+    descriptor = _descriptor(path)
+
+    if descriptor == 1:
+        sys.stdout.flush()
+
+    to = open(path if descriptor is None else os.dup(descriptor), "wb", buffering=0)
+
+    with open(source, "rb") as file, to:
+        shutil.copyfileobj(file, to)
+
+
+def _mode(target):
+    """Permissions of a file that is there; of a new one those of the user's other files: mkstemp's are private."""
+    if target.exists():
+        return stat.S_IMODE(target.stat().st_mode)
+
+    umask = os.umask(0)
+    os.umask(umask)
+    return 0o666 & ~umask
+
+
+def _named(error, path):
+    """The error as one of the file that the user named."""
+    return type(error)(error.errno, error.strerror, str(path))

@@ -18,7 +18,7 @@ from .kernels import project
 from .kernels.status import OK
 from .model import compile_scene
 from .results import Results
-from .scene import Scene
+from .scene import Scene, variable_name
 from .scene.errors import listed
 from .scene.efforts import AngularDriver, LinearDriver
 from .simulate import Instance, SimulationError, explain
@@ -335,6 +335,7 @@ def _signals(at, commands, inputs, times):
     signals = []
 
     for name, values in (inputs or {}).items():
+        name = variable_name(name)
         parts = [key for key in at if key.startswith(f"{name}[")] if name not in at else [name]
 
         if not parts or parts[0] in commands:

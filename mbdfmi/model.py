@@ -5,7 +5,8 @@ The names and shapes of the arrays are those of the table in `kernels/layout.py`
 
 import hashlib
 import re
-from dataclasses import dataclass
+import struct
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -154,7 +155,7 @@ def _assemble(builder):
 
     variables = builder.list_variables(offset)
     places = [node.name for node in builder.nodes] + builder.constraint_names
-    return Model(
+    model = Model(
         scene=scene,
         name=scene.name,
         identifier=c_identifier(scene.name),
@@ -169,9 +170,10 @@ def _assemble(builder):
         places=places,
         tree=builder.tree,
         coordinates=builder.coordinates,
-        guid=_guid(buffers, variables, places),
+        guid="",
         notices=scene.notices + [str(notice) for notice in builder.notices],
     )
+    return replace(model, guid=_guid(model))
 
 
 def _bodies_with_added_mass(values, n_body):
@@ -191,13 +193,23 @@ def c_identifier(name: str) -> str:
     return text if re.match(r"[A-Za-z]", text) else f"m_{text}"
 
 
-def _guid(buffers, variables, places):
+def sealed(model: Model) -> tuple[bytes, bytes]:
+    """What the GUID is made of, little endian, as it lies in an FMU: (7 sizes, the numbers and a digest of what is told
+    of the variables); see fmu_src/resource.h."""
+    parameters = model.of_causality("parameter")
+    sizes = (len(model.ints), len(model.reals), model.n_state, model.n_work, model.n_u, model.n_y, len(parameters))
+    numbers = (
+        model.ints.astype("<i8"),
+        model.reals.astype("<f8"),
+        np.array([v.start for v in model.of_causality("input")], "<f8"),
+        np.array([v.index for v in parameters], "<i8"),
+        np.array([v.variability == "tunable" for v in parameters], "<i8"),
+    )
+    told = hashlib.sha256(repr((model.variables, model.places)).encode()).digest()
+    return struct.pack("<7q", *sizes), b"".join(array.tobytes() for array in numbers) + told
+
+
+def _guid(model):
     """Hash of all that a simulation depends on, in the form of a GUID."""
-    digest = hashlib.sha256()
-
-    for array in buffers.values():
-        digest.update(array.tobytes())
-
-    digest.update(repr((variables, places)).encode())
-    h = digest.hexdigest()
+    h = hashlib.sha256(b"".join(sealed(model))).hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .files import replacing
+from .files import check_ending, replacing
+from .scene import variable_name
 
 
 class Results(Mapping):
@@ -31,11 +32,19 @@ class Results(Mapping):
         self.notices = notices or []
 
     def __getitem__(self, name):
-        """A column; an array variable's name without index gives all its components, [row, component]."""
+        """A column; an array variable's name without index gives all its components, [row, component].
+
+        Names may be those of an FMU, or written with the scene's names as they are: results["Flügel 1.angle"].
+        """
         if name in self._columns:
             return self._columns[name]
 
-        parts = [column for key, column in self._columns.items() if key.startswith(f"{name}[")]
+        known = variable_name(name) if isinstance(name, str) else name
+
+        if known in self._columns:
+            return self._columns[known]
+
+        parts = [column for key, column in self._columns.items() if key.startswith(f"{known}[")]
 
         if parts:
             return np.column_stack(parts)
@@ -52,7 +61,11 @@ class Results(Mapping):
         return f"<Results of {self.title!r}: {len(self['time'])} rows of {', '.join(self)}>"
 
     def to_csv(self, path) -> Path:
-        """Write all columns, every digit kept, with a row of names "variable [unit]" on top."""
+        """Write all columns, every digit kept, with a row of names "variable [unit]" on top; "-" is the standard output.
+
+        Raises ValueError for a file's ending that promises another format.
+        """
+        self.check_csv(path)
         names = [f"{name} [{self.units[name]}]" if self.units.get(name) else name for name in self]
 
         with replacing(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as file:
@@ -61,6 +74,11 @@ class Results(Mapping):
             writer.writerows(zip(*(column.tolist() for column in self._columns.values())))
 
         return Path(path)
+
+    @staticmethod
+    def check_csv(path):
+        """Raise now the ValueError that `to_csv` would raise later for a file's ending."""
+        check_ending(path, "a table of comma-separated values (CSV) is to be written", ".csv", ".txt", ".dat")
 
     @staticmethod
     def check_plot(path):

@@ -11,6 +11,7 @@ from .kernels.status import MESSAGES, MOST_NOTICES, OK
 from .kernels.views import DataView, ModelView
 from .model import Model
 from .results import Results
+from .scene import variable_name
 
 
 class SimulationError(Exception):
@@ -42,6 +43,7 @@ class Instance:
         self.model = model
         self.notices = list(model.notices)
         self.reals = model.reals.copy()
+        self._prepared = None
         self.u = np.zeros(3 * max(1, model.n_u))
         self.y = np.zeros(model.n_y)
         self.m = ModelView(ints=model.ints, reals=self.reals)
@@ -54,7 +56,8 @@ class Instance:
             self.u[position] = value
 
         for name, value in (parameters or {}).items():
-            self.reals[_known(name, by_name, "parameter").index] = value
+            index = _known(variable_name(name), by_name, "parameter").index
+            self.reals[index] = _numbers(value, f"parameter {name!r}", ())
 
         self.prepare()
         status = entry.initialise(self.m, self.d, start_time)
@@ -63,8 +66,11 @@ class Instance:
         self._check(status, told)
 
     def prepare(self):
-        """To be called after `reals` was changed. Raises SimulationError."""
-        self._check(entry.prepare(self.m, self.d))
+        """To be called after `reals` was changed; values that stand already change nothing. Raises SimulationError."""
+        if self._prepared != self.reals.tobytes():
+            self._prepared = None
+            self._check(entry.prepare(self.m, self.d))
+            self._prepared = self.reals.tobytes()
 
     @property
     def time(self) -> float:
@@ -101,7 +107,8 @@ def explain(model: Model, status: int, numbers=()) -> str:
     """A kernel's status in words, `%s` being the place and `%g` the numbers."""
     code, place = status % 256, status // 256
     numbers = iter(numbers)
-    words = {"%s": lambda: model.places[place], "%g": lambda: f"{next(numbers):.6g}"}
+    places = [*model.places, *(v.name for v in model.of_causality("output"))]
+    words = {"%s": lambda: places[place], "%g": lambda: f"{next(numbers):.6g}"}
     return re.sub("%[sg]", lambda found: words[found[0]](), MESSAGES[code])
 
 
@@ -117,7 +124,7 @@ def simulate(
     """Run a model in process from start_time to `until` (s).
 
     step : communication step (s), by default a 500th of the run. Inputs are held over it and results kept at its ends.
-    inputs : by variable name: a number, a function of time (s), or an array of one value for each communication
+    inputs : by variable name, as in an FMU or with the scene's names as they are: a number, a function of time (s), or an array of one value for each communication
         point. The name of an array variable without index takes 3 of these, or a function that returns 3.
     parameters : values other than the scene's, by variable name.
     progress : called with the time reached (s) after each communication step.
@@ -125,12 +132,13 @@ def simulate(
     Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
     names, ValueError for times or arrays that do not fit.
     """
+    until, start_time = float(_numbers(until, "until", (), False)), float(_numbers(start_time, "start_time", ()))
     duration = until - start_time
 
     if not 0.0 < duration < np.inf:
         raise ValueError(f"the run must end after it starts at {start_time} s; found until = {until}")
 
-    step = duration / 500 if step is None else step
+    step = duration / 500 if step is None else float(_numbers(step, "step", (), False))
 
     if not 0.0 < step < np.inf:
         raise ValueError(f"the communication step must be positive; found {step}")
@@ -167,6 +175,22 @@ def simulate(
     return Results(by_name, units, model.title, instance.notices)
 
 
+def _numbers(given, what, shape=None, finite=True):
+    """The numbers given, as an array. Raises ValueError; `what` says of what, `shape` is the only one that will do."""
+    try:
+        values = np.asarray(given)
+    except ValueError:
+        values = np.empty(0, object)
+
+    if values.dtype.kind not in "iuf" or shape not in (None, values.shape):
+        raise ValueError(f"{what} needs {'numbers' if shape is None else 'a number'}, found {given!r}")
+
+    if finite and not np.all(np.isfinite(values)):
+        raise ValueError(f"{what} must be finite, found {values[~np.isfinite(values)].flat[0]}")
+
+    return values.astype(float)
+
+
 def _known(name, by_name, what):
     if name in by_name:
         return by_name[name]
@@ -182,6 +206,7 @@ def _signals(model, inputs, times):
     signals = []
 
     for name, given in inputs.items():
+        name = variable_name(name)
         parts = [v.index for key, v in by_name.items() if key.startswith(f"{name}[")]
 
         if name in by_name or not parts:
@@ -197,7 +222,7 @@ def _signal(name, given, component, size, times):
     if callable(given):
         return lambda k: np.atleast_1d(given(times[k]))[component]
 
-    values = np.asarray(given, float)
+    values = _numbers(given, f"input {name!r}")
 
     if size > 1 and values.shape in ((size,), (len(times), size)):
         values = values[..., component]

@@ -10,25 +10,26 @@ import numpy as np
 
 from .scene import Scene, SceneError
 from .scene.errors import Problem
+from .vectors import dot, norm
 
 IDENTITY = (np.zeros(3), np.eye(3))
 
 
 def compose(outer, inner):
     """Pose of a frame given in a frame that is itself at `outer`."""
-    return outer[0] + outer[1] @ inner[0], outer[1] @ inner[1]
+    return outer[0] + dot(outer[1], inner[0]), dot(outer[1], inner[1])
 
 
 def inverse(pose):
     """The pose the other way round."""
-    return -pose[1].T @ pose[0], pose[1].T
+    return -dot(pose[1].T, pose[0]), pose[1].T
 
 
 def axes_with_z(axis):
     """A rotation matrix whose third column is the unit vector `axis` (3,); exact for coordinate axes."""
     helper = np.eye(3)[np.argmin(np.abs(axis))]
     x = np.cross(helper, axis)
-    x /= np.linalg.norm(x)
+    x /= norm(x)
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
@@ -79,7 +80,7 @@ class Tree:
     def joint_side(self, scene: Scene, name: str, side: int, turn):
         """(node, pose in the node) of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""
         node, (r, A) = self.marker(scene, scene.joint[name].between[side])
-        return node, (r, A @ turn)
+        return node, (r, dot(A, turn))
 
 
 def spanning_tree(scene: Scene) -> Tree:
@@ -221,7 +222,7 @@ def _hang(scene, tree, name, parent, group):
     for k, kind, axis in motions:
         # only these have an axis; the others' coordinates are in the markers' own axes
         turn = axes_with_z(axis) if kind in ("revolute", "prismatic") else np.eye(3)
-        node = Node(parent, name, kind, k, reverse, joint_frame=(side[0], side[1] @ turn))
+        node = Node(parent, name, kind, k, reverse, joint_frame=(side[0], dot(side[1], turn)))
         tree.nodes.append(node)
         parent = len(tree.nodes) - 1
         side = (np.zeros(3), turn.T)
@@ -229,7 +230,7 @@ def _hang(scene, tree, name, parent, group):
     # the last node's frame in the group's frame is the far side of the joint
     body, *pose = scene.marker_pose(far)
     r, A = compose(group[body], tuple(pose))
-    to_node = inverse((r, A @ turn))
+    to_node = inverse((r, dot(A, turn)))
     tree.home |= {body: (parent, compose(to_node, pose)) for body, pose in group.items()}
     tree.nodes[parent].bodies = list(group)
 

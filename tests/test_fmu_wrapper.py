@@ -98,6 +98,7 @@ def test_version(arm_library):
         ({"location": b""}, "the resource location is missing"),
         ({"location": b"http://host/resources"}, "is not a file: URI"),
         ({"location": b"file://host/resources"}, "names another host"),
+        ({"location": b"file:///tmp%00/resources"}, "holds a %%00"),
         ({"location": b"file:///nowhere/at/all"}, "'/nowhere/at/all/model.bin' cannot be opened"),
         ({"kind": fmu_host.MODEL_EXCHANGE}, "for co-simulation only"),
     ],
@@ -373,6 +374,36 @@ def test_tunable_parameter_acts_at_once(arm):
     assert arm.value("elbow.angle") == before[1]
 
 
+@pytest.mark.parametrize("which", ["arm_library", "pendulum_library"])
+def test_a_value_that_stands_changes_nothing(request, new, which):
+    """Inputs and parameters written again before every step: all that the solver keeps stays the same, to the bit."""
+    library = request.getfixturevalue(which)
+    plain, written = new(library).start(), new(library).start()
+    parameters = [v.valueReference for v in library.variables.values() if v.variability == "tunable"]
+    again = [*library.references("input"), *parameters]
+
+    for i in range(30):
+        status, values = written.get(*again)
+        assert status == written.set(dict(zip(again, values))) == OK
+        assert plain.step(i * 0.03, 0.03) == written.step(i * 0.03, 0.03) == OK
+        assert written.outputs() == plain.outputs()
+
+    assert written.serialise(written.save()) == plain.serialise(plain.save())
+
+
+def test_a_parameter_that_stands_changes_nothing_in_process(arm_model_and_library):
+    plain, prepared = (simulate.Instance(arm_model_and_library[0]) for _ in range(2))
+
+    for _ in range(30):
+        prepared.prepare()
+        plain.step(0.03), prepared.step(0.03)
+
+    np.testing.assert_array_equal(prepared.d.state_buffer, plain.d.state_buffer)
+    prepared.reals[:] *= 1 + 1e-3
+    prepared.prepare()
+    assert not np.array_equal(prepared.d.body_m, plain.d.body_m)
+
+
 def test_impossible_parameter(new):
     instance = new()
     assert instance.set({"lower.mass": -1.0}) == instance.setup() == instance.enter() == OK
@@ -444,6 +475,13 @@ def test_stop_time(new):
         t += 0.1
     assert instance.step(t, 0.1) == ERROR
     assert "after the stop time 1 s" in instance.message
+
+    for tolerance in (-1.0, 0.0, float("nan"), float("inf")):
+        instance = new()
+        given = 1, c_double(tolerance), c_double(0.0), 0, c_double(0.0)
+        assert instance.call("fmi2SetupExperiment", *given) == ERROR and "tolerance" in instance.message
+    given = 1, c_double(1e-4), c_double(0.0), 0, c_double(0.0)
+    assert instance.call("fmi2SetupExperiment", *given) == OK and "the scene's own" in instance.message
 
     assert new().setup(0.0, -1.0) == ERROR
     assert new().setup(float("nan")) == ERROR

@@ -6,6 +6,7 @@ from scipy.spatial.transform import Rotation
 from ..kernels import coordinates, entry
 from ..kernels.views import DataView, ModelView
 from ..variables import dotted
+from ..vectors import dot
 
 
 def start_motion(model):
@@ -29,9 +30,9 @@ def start_motion(model):
     for body, (i, _) in model.tree.home.items():
         span = r[i] - r[g]
         seen = rd[i] - rd[g] - np.cross(w[g], span)
-        E = Rotation.from_matrix(A[g].T @ A[i]).as_quat()
-        q = np.concatenate([A[g].T @ span, E])
-        v = np.concatenate([A[g].T @ seen, A[g].T @ (w[i] - w[g])])
+        E = Rotation.from_matrix(dot(A[g].T, A[i])).as_quat()
+        q = np.concatenate([dot(A[g].T, span), E])
+        v = np.concatenate([dot(A[g].T, seen), dot(A[g].T, w[i] - w[g])])
         motion[body] = (q, v)
 
     return motion, _angles(model, m, d)

@@ -5,6 +5,7 @@ import numpy as np
 from ..kernels import contacts, rows
 from ..kernels.joints import KINDS, N_V
 from ..topology import axes_with_z
+from ..vectors import norm
 from .drives import coupling_constraints, drive_constraints
 from .start import start_pose
 
@@ -65,7 +66,7 @@ def _joint_constraint(builder, name):
         value = joint.radius
     elif joint.kind == "distance":
         first, second = (start_pose(builder, end)[0] for end in joint.between)
-        value = joint.length or float(np.linalg.norm(second - first))
+        value = joint.length or norm(second - first)
 
     return dict(
         name=name,

@@ -1,11 +1,14 @@
 """Curves and surfaces of markers, and the joints whose end frames are on them."""
 
+import math
+
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
 from ..kernels import contacts, curves, outputs, surfaces, tables
 from ..scene import Problem, SceneError
 from ..variables import dotted
+from ..vectors import dot
 
 # samples of a curve's tangent, and directions that may be the one it is never parallel to
 TANGENTS = 400
@@ -113,8 +116,8 @@ def _side(tangents):
     z = (np.arange(SIDES) + 0.5) / SIDES
     turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(SIDES)
     flat = np.sqrt(1.0 - z**2)
-    sides = np.column_stack([flat * np.cos(turn), flat * np.sin(turn), z])
-    return sides[np.abs(sides @ tangents.T).max(axis=1).argmin()]
+    sides = np.column_stack([flat * [math.cos(a) for a in turn], flat * [math.sin(a) for a in turn], z])
+    return sides[np.abs(dot(sides, tangents.T)).max(axis=1).argmin()]
 
 
 def _add_surface(builder, surface):

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..kernels import outputs
 from ..variables import dotted
+from ..vectors import norm
 from .elastic import elastic_table
 from .start import start_pose
 
@@ -71,7 +72,7 @@ def _add_strut(builder, name, force, ends):
 
     if rest is None:
         first, second = (start_pose(builder, end)[0] for end in force.between)
-        rest = float(np.linalg.norm(second - first))
+        rest = norm(second - first)
 
     row = builder.tables["n_strut"].add(
         strut_from=ends[0],

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..topology import IDENTITY, compose, inverse
+from ..vectors import dot
 from .interpolation import curve
 
 # kinds of the joints that couplings are between
@@ -79,10 +80,10 @@ def _ground_pose(motion):
     if motion.kind == "rotation":
         turn = motion.rotation
         A = Rotation.from_rotvec(turn.angle_value() * turn.direction()).as_matrix()
-        return turn.point - A @ turn.point, A
+        return turn.point - dot(A, turn.point), A
 
     if motion.kind == "orbit":
-        A = motion.orbit.axes() @ Rotation.from_rotvec([0, 0, motion.orbit.phase_value()]).as_matrix()
+        A = dot(motion.orbit.axes(), Rotation.from_rotvec([0, 0, motion.orbit.phase_value()]).as_matrix())
         return motion.orbit.radius * A[:, 0], A if motion.orbit.pointing else np.eye(3)
 
     if motion.kind == "table":

@@ -6,7 +6,7 @@ import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from ..files import replacing
+from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
 from .description import description, generation_time
 from .documentation import documentation
@@ -28,11 +28,16 @@ def export_fmu(
     scene_file  the file that the model was read from, to go with the FMU in resources/
     progress    is told in a few words when something takes long
 
-    The file is written whole or not at all. With SOURCE_DATE_EPOCH set, the same model gives the
-    same bytes. Raises OSError, ValueError (unknown platform), aot.CompileError, link.LinkError
+    The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same model gives the
+    same bytes. Raises OSError, ValueError (unknown platform, unfit path), aot.CompileError, link.LinkError
     and description.DescriptionError.
     """
     path = Path(path)
+    check_ending(path, "an FMU is to be written", ".fmu", ".zip")
+
+    if scene_file and same(path, scene_file):
+        raise ValueError(f"{path}: is the scene's own file; write the FMU under another name")
+
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
     files = {

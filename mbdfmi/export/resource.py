@@ -3,7 +3,7 @@
 import struct
 import zlib
 
-import numpy as np
+from ..model import sealed
 
 NAME = "model.bin"
 
@@ -29,18 +29,10 @@ def resource(model, messages: dict[int, str]) -> bytes:
         strings += [str(code), text]
     strings += model.notices
 
-    counts = [
-        len(model.ints), len(model.reals), model.n_state, model.n_work, model.n_u, model.n_y,
-        len(parameters), len(model.places), len(messages), len(model.notices),
-    ]  # fmt: skip
-
-    body = struct.pack("<10q", *counts)
+    sizes, numbers = sealed(model)
+    body = sizes + struct.pack("<3q", len(model.places), len(messages), len(model.notices))
     body += model.guid.encode().ljust(64, b"\0")
-    body += np.asarray(model.ints, dtype="<i8").tobytes()
-    body += np.asarray(model.reals, dtype="<f8").tobytes()
-    body += np.array([v.start for v in model.of_causality("input")], dtype="<f8").tobytes()
-    body += np.array([v.index for v in parameters], dtype="<i8").tobytes()
-    body += np.array([v.variability == "tunable" for v in parameters], dtype="<i8").tobytes()
+    body += numbers
     body += b"".join(text.encode() + b"\0" for text in strings)
 
     return _MAGIC + struct.pack("<IIQ", _VERSION, zlib.crc32(body), len(body)) + body

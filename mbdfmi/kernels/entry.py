@@ -3,6 +3,8 @@
 `ENTRIES` is the table that ahead-of-time compiling works from.
 """
 
+import math
+
 from numba import types
 
 from . import (
@@ -20,7 +22,7 @@ from . import (
 )
 from .language import inlined, kernel
 from .prepare import prepare
-from .status import BAD_START_ORIENTATION, OK, status
+from .status import BAD_START_ORIENTATION, OK, OUTPUT_NOT_FINITE, status
 from .views import DATA, MODEL, REALS
 
 
@@ -68,7 +70,7 @@ def step(m, d, H):
 
 @kernel
 def compute_outputs(m, d, y):
-    """All outputs y[n_y] of the state and the inputs (their values alone) now. Returns a status."""
+    """All outputs y[n_y] of the state and the inputs (their values alone) now, all finite, or a failure. Returns a status."""
     failure = OK
     needs = m.output_needs
     rates.set_time(m, d, 0.0)
@@ -88,6 +90,11 @@ def compute_outputs(m, d, y):
         reactions.find_joint_wrenches(m, d)
 
     outputs.write_outputs(m, d, y)
+
+    for k in range(m.n_y):
+        if failure == OK and not math.isfinite(y[k]):
+            failure = status(OUTPUT_NOT_FINITE, m.n_body + m.n_constraint + k)
+
     return failure
 
 

@@ -133,11 +133,14 @@ def needs(kinds) -> int:
 
 @inlined
 def largest(p, n):
-    """Largest magnitude among p[:n]."""
+    """Largest magnitude among p[:n]; NaN where one is."""
     size = 0.0
 
     for k in range(n):
-        size = max(size, abs(p[k]))
+        a = abs(p[k])
+
+        if a > size or a != a:
+            size = a
 
     return size
 

@@ -1,5 +1,7 @@
 """What follows from parameters alone: the inertia of each node, checked."""
 
+import math
+
 from . import algebra as al
 from . import control
 from .language import inlined, kernel
@@ -8,6 +10,7 @@ from .status import (
     BAD_INERTIA,
     BAD_MASS,
     BAD_MAX_EVALUATIONS,
+    BAD_PARAMETER,
     BAD_SOLVER_SETTING,
     BAD_TOLERANCE,
     OK,
@@ -61,6 +64,23 @@ def add_added_mass(m, d, k):
     al.set_sym3(d.body_added_M, i, al.sym_add(al.sym3(d.body_added_M, i), al.sym_of_mat(M)))
 
 
+@inlined
+def has_finite_inertia(d, i):
+    """Whether all that was summed up for node i is finite: then the sum is, and nothing in it cancels to NaN."""
+    total = d.body_m[i]
+
+    for k in range(3):
+        total += abs(d.body_h[3 * i + k])
+
+    for k in range(6):
+        total += abs(d.body_I[6 * i + k]) + abs(d.body_added_I[6 * i + k]) + abs(d.body_added_M[6 * i + k])
+
+    for k in range(9):
+        total += abs(d.body_added_H[9 * i + k])
+
+    return math.isfinite(total)
+
+
 @kernel
 def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
@@ -110,5 +130,9 @@ def prepare(m, d):
     for k in range(m.n_linear):
         if m.linear_adds[k] == 1:
             add_added_mass(m, d, k)
+
+    for i in range(m.n_body):
+        if not has_finite_inertia(d, i):
+            return status(BAD_PARAMETER, i)
 
     return OK

@@ -1,6 +1,6 @@
 """Status of a kernel: 0, or a code and the place (a body or joint) where it happened.
 
-A status is code + 256 * place; `place` indexes `Model.places`.
+A status is code + 256 * place; `place` indexes `Model.places`, which the outputs follow.
 
 What is no failure but must be told (a start that was moved, the motion became stiff) is a *notice*: a kernel calls
 `tell(d, status(CODE, place), a, b)` and gives the code a text in MESSAGES, in which `%s` stands for the name of the place and
@@ -38,6 +38,9 @@ TOO_MUCH_WORK = 43
 # among steppers: another method must go on
 CHANGE_METHOD = 12
 
+OUTPUT_NOT_FINITE = 13
+BAD_PARAMETER = 14
+
 MESSAGES = {
     NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
     STEP_TOO_SMALL: "the inner step became too small to go on; the motion is singular or too stiff for this "
@@ -57,6 +60,8 @@ MESSAGES = {
     STIFF: "the motion is stiff: the implicit method goes on from here",
     NOT_STIFF: "the motion is no longer stiff: the explicit method goes on from here",
     LOOP_OPEN: "the loop cannot be closed at %s",
+    OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
+    BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }
 
@@ -70,11 +75,11 @@ def status(code, place):
 @inlined
 def tell(d, told, a, b):
     """Adds a notice: a status, and two numbers for its text."""
-    k = int(d.notices[0])
-
-    if 0 <= k < MOST_NOTICES:
+    # a state from outside may hold any number here
+    if 0.0 <= d.notices[0] < MOST_NOTICES:
+        k = int(d.notices[0])
         d.notice[3 * k] = told
         d.notice[3 * k + 1] = a
         d.notice[3 * k + 2] = b
 
-    d.notices[0] = k + 1
+    d.notices[0] += 1.0

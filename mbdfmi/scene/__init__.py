@@ -13,7 +13,7 @@ from .joints import (
     Universal,
 )
 from .measures import Measure
-from .names import fmi_name
+from .names import fmi_name, variable_name
 from .reader import parse_scene, read_scene
 from .schema import Scene, Solver
 from .writer import write_scene
@@ -24,5 +24,5 @@ __all__ = [
     "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane", "PointOnSurface",
     "Prismatic", "Problem", "Rack", "Ratio", "Revolute", "RollingDisk", "RollingSphere", "Scene",
     "SceneError", "Screw", "Solver", "Spherical", "Spindle", "SpringDamper", "Translation",
-    "Universal", "fmi_name", "parse_scene", "read_scene", "write_scene",
+    "Universal", "fmi_name", "parse_scene", "read_scene", "variable_name", "write_scene",
 ]

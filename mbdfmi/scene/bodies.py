@@ -5,6 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
+from ..vectors import dot
 from .curves import Curve
 from .errors import listed
 from .fields import Array, NotNegative, OneOf, Part, SomeOf, Vector
@@ -117,7 +118,8 @@ class Massive(Part):
     mass : kg. 0, without inertia, makes a mere frame: it must carry other bodies, or hang on driven joints, as an end
         frame whose motion is prescribed does.
     com : centre of mass (3,) in m in the body's own frame.
-    inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1].
+    inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1]. Of a point mass [0, 0, 0], or
+        solid = { point = { mass = 1 } }.
     inertia_axes : orientation of the axes that the inertia is given in; the body's when left out.
     solid : one solid or a list of them.
     """
@@ -148,7 +150,7 @@ class Massive(Part):
             return self.mass, np.array(self.com), np.zeros((3, 3))
 
         A = (self.inertia_axes or InertiaAxes()).rotation().as_matrix()
-        return self.mass, np.array(self.com), A @ inertia_matrix(self.inertia) @ A.T
+        return self.mass, np.array(self.com), dot(A, inertia_matrix(self.inertia), A.T)
 
 
 class Body(Observed, Massive):

@@ -4,7 +4,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from .errors import show
-from .fields import Flag, NotNegative, Number, Part, Positive, in_si
+from .fields import Flag, NotNegative, Number, Part, Positive, as_given, in_si
 from .tables import AngleOverTime, EffortOverAngle, EffortOverPosition, PositionOverTime
 
 
@@ -91,7 +91,7 @@ class Stop(Part):
         if lower == -np.inf and upper == np.inf:
             raise ValueError('needs "lower" or "upper", or both')
         if not lower < upper:
-            raise ValueError(f"lower must be below upper; found {lower:.6g} and {upper:.6g}")
+            raise ValueError(f"lower must be below upper; found {as_given(self, 'lower')} and {as_given(self, 'upper')}")
         return self
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Tag, ValidationError
 from pydantic import model_validator
 
+from ..vectors import dot, norm
 from .errors import SceneError, did_you_mean, listed, show
 from .messages import TAG, problems_of
 
@@ -152,14 +153,14 @@ Axis = Annotated[str | tuple, BeforeValidator(axis)]
 def unit_vector(axis):
     """The unit vector (3,) of an axis written as a name or as a vector."""
     vector = np.array(AXES[axis] if isinstance(axis, str) else axis)
-    return vector / np.linalg.norm(vector)
+    return vector / norm(vector)
 
 
 def plane_axes(normal):
     """(3, 3): x in the plane, y in the plane and the unit vector `normal`, by column."""
-    helper = np.eye(3)[0 if np.linalg.norm(normal[1:]) > 1e-6 else 1]
-    x = helper - normal * (normal @ helper)
-    x /= np.linalg.norm(x)
+    helper = np.eye(3)[0 if norm(normal[1:]) > 1e-6 else 1]
+    x = helper - normal * dot(normal, helper)
+    x /= norm(x)
     return np.column_stack([x, np.cross(normal, x), normal])
 
 
@@ -213,6 +214,14 @@ def in_si(part, key, default=0.0):
         if value is not None:
             return factor * np.array(value)
     return default
+
+
+def as_given(part, key):
+    """The value of a part's key as it was written, with its unit where the key names one."""
+    for unit in UNITS:
+        value = getattr(part, key + unit, None)
+        if value is not None:
+            return f"{show(value)} {unit[1:]}".strip()
 
 
 # tables

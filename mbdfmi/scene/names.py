@@ -40,6 +40,16 @@ def fmi_name(text):
     return "'" + "".join("\\" + c if c in ESCAPED else c for c in plain) + "'"
 
 
+def variable_name(text):
+    """The FMI name of a variable that is written with a scene's names as they are: `Flügel.mass`, `blade 1.position[2]`.
+
+    FMI names stay as they are.
+    """
+    base, subscript = re.fullmatch(r"(.*?)((?:\[[\d,]+\])?)", text, re.DOTALL).groups()
+    parts = base.split(".")
+    return ".".join(part if re.fullmatch("'.*'", part) else fmi_name(part) for part in parts) + subscript
+
+
 def is_printable(text):
     """Whether a text has no control characters and can be written as UTF-8."""
     return all(unicodedata.category(c) not in ("Cc", "Cs", "Zl", "Zp") for c in text)

@@ -5,9 +5,98 @@ Each of `RULES` takes a valid scene and yields a `Problem` (where, and what) for
 initialisation ends. Of what the compiler or the kernels do with a scene: `Builder.notice`, `kernels/status.py`.
 """
 
-RULES = ()
+from math import hypot, pi
+
+from .errors import Problem, show
+from .fields import Part
+
+# how much longer a body is than the next shorter one when one of them may be in other units: mm for m is 1000
+JUMP = 300.0
+
+
+def far_angles(scene):
+    """Angles given in rad that read like degrees: beyond a full turn, and whole or halves."""
+    for path, part in _parts(scene):
+        for key, value in part:
+            if f"{key}_deg" not in type(part).model_fields or "speed" in key or value is None:
+                continue
+
+            values = value if isinstance(value, tuple) else (value,)
+            if len(values) <= 2 and any(abs(v) > 2 * pi and 2 * v == round(2 * v) for v in values):
+                turns = ", ".join(f"{v / (2 * pi):.3g}" for v in values)
+                text = f"{show(value)} is in rad, {turns} full turns; for degrees write {key}_deg = {show(value)}"
+                yield Problem((*path, key), text)
+
+
+def far_sizes(scene):
+    """Bodies far longer than the others, as one in mm among those in m."""
+    sizes = sorted((size, name) for name, body in scene.body.items() if (size := _body_size(body)) > 0.0)
+
+    for k, (size, _) in enumerate(sizes[1:], 1):
+        if size > JUMP * sizes[k - 1][0]:
+            for size, name in sizes[k:]:
+                text = f"reaches {size:.6g} m, other bodies {sizes[k - 1][0]:.6g} m at most; lengths are in m, not mm"
+                yield Problem(("body", name), text)
+            return
+
+
+def coarse_tolerance(scene):
+    """An absolute tolerance far coarser, against the scene's lengths, than the relative one."""
+    solver, length = scene.solver, _scene_size(scene)
+    part = solver.absolute_tolerance / length if length > 0.0 else 0.0
+
+    if not solver.fixed_step and part > max(10.0 * solver.tolerance, 1e-4):
+        text = f"{solver.absolute_tolerance:g} (in m, too) is {part:.2g} of the scene's size, {length:.3g} m; make it smaller"
+        yield Problem(("solver", "absolute_tolerance"), text)
+
+
+RULES = (far_angles, far_sizes, coarse_tolerance)
 
 
 def notices(scene):
     """The `Problem`s of what is odd in a valid scene."""
     return [notice for rule in RULES for notice in rule(scene)]
+
+
+def _parts(holder, path=()):
+    """(path, Part) of all tables of a scene."""
+    if isinstance(holder, Part):
+        yield path, holder
+        items = list(holder)
+    elif isinstance(holder, dict):
+        items = list(holder.items())
+    elif isinstance(holder, list):
+        items = list(enumerate(holder))
+    else:
+        return
+
+    for key, value in items:
+        yield from _parts(value, (*path, key))
+
+
+def _body_size(body):
+    """m, how far a body's centre of mass, markers and solids reach from its origin or across."""
+    reaches = [hypot(*body.com), *(hypot(*marker.position) for marker in body.marker.values())]
+
+    for solid in body.solid or ():
+        shape = getattr(solid, solid.kind)
+        lengths = [*getattr(shape, "size", ()), getattr(shape, "length", 0.0), 2 * getattr(shape, "radius", 0.0)]
+        reaches += [hypot(*solid.position), *lengths]
+
+    return max(reaches)
+
+
+def _scene_size(scene):
+    """m, the greatest length that a scene is written with, 0 where there is none."""
+    lengths = [_body_size(body) for body in scene.body.values()]
+    lengths += [hypot(*marker.position) for marker in scene.ground.marker.values()]
+
+    for joint in scene.joint.values():
+        place = getattr(getattr(joint, "start", None), "position", 0.0)
+        lengths.append(hypot(*place) if isinstance(place, tuple) else abs(place))
+        lengths.append(getattr(joint.options, "radius", None) or 0.0)
+
+    for _, force in scene.force.items():
+        lengths.append(getattr(getattr(force, force.kind), "rest_length", None) or 0.0)
+
+    return max(lengths, default=0.0)

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, Field
 from scipy.spatial.transform import Rotation
 
+from ..vectors import dot, norm
 from .errors import listed
 from .fields import Array, Axis, Number, OneOf, Part, Vector, unit_vector
 
@@ -88,11 +89,11 @@ def _matrix_of_axes(axes):
     (name, first), (second_name, second) = (
         ("xyz".index(key), unit_vector(axis)) for key, axis in axes.items()
     )
-    second = second - first * (first @ second)
+    second = second - first * dot(first, second)
 
     columns = np.empty((3, 3))
     columns[name] = first
-    columns[second_name] = second / np.linalg.norm(second)
+    columns[second_name] = second / norm(second)
 
     # the third completes a right-handed frame
     third = 3 - name - second_name

@@ -35,6 +35,9 @@ def parse_scene(data, file=None):
 
     Raises SceneError with all that is wrong.
     """
+    if kind := _other_kind(data):
+        raise SceneError([Problem((), f"is {kind}, not a scene file (TOML)")], file=file)
+
     try:
         return Scene.model_validate(tomllib.loads(data.decode("utf-8-sig")))
     except SceneError as error:
@@ -50,6 +53,43 @@ def parse_scene(data, file=None):
         problems = [Problem((), text)]
 
     raise SceneError(problems, file=file)
+
+
+# how files of other kinds begin, blanks and comments of XML left out, and what they are
+BEGINNINGS = {
+    rb"ISO-10303-21\s*;": "a STEP file (CAD geometry)",
+    rb"<robot\b": "a URDF file (a robot, XML)",
+    rb"<mujoco\b": "an MJCF file (a model of MuJoCo, XML)",
+    rb"<sdf\b": "an SDF file (a world of Gazebo, XML)",
+    rb"<fmiModelDescription\b": "the modelDescription.xml of an FMU",
+    rb"<\w+:SystemStructureDescription\b": "an SSP file (a system of FMUs, XML)",
+    rb"<(!DOCTYPE )?html\b": "a web page (HTML)",
+    rb"<svg\b": "a picture (SVG)",
+    rb"<": "an XML file",
+    rb"PK\x03\x04": "a zip archive, as FMUs and spreadsheets are",
+    rb"(within\b[^;]*;\s*)?(partial\s+)?(model|package|block)\s+\w+": "a Modelica file",
+    rb"OndselSolver": "an assembly of OndselSolver (.asmt)",
+    rb"solid\b[^\n]*\s+facet\b": "an STL file (a surface of triangles)",
+    rb"%PDF": "a PDF file",
+    rb"\x89PNG|\xff\xd8\xff|GIF8[79]a": "a picture",
+    rb"\x7fELF|MZ[\x00-\x08\x80-\xff]": "a program or library",
+    rb"\x1f\x8b|BZh[1-9]1AY|7z\xbc|\xfd7zXZ": "a compressed file",
+    rb"\x89HDF|MATLAB 5": "a file of arrays (HDF5, MATLAB)",
+    rb"%YAML|---\s": "a YAML file",
+    rb"\{|\[\s*\{": "a JSON file",
+    rb"(#!.*python|import \w+|from [\w.]+ import )": "a Python program; run it with python",
+}
+
+
+def _other_kind(data):
+    """What a file is that plainly is no TOML file, in words, or None."""
+    start = data[:4096].removeprefix(b"\xef\xbb\xbf").lstrip()
+
+    # an XML file tells what it is by its first element
+    while prologue := re.match(rb"<\?.*?\?>|<!--.*?-->|<!DOCTYPE (?!html)[^>]*>", start, re.DOTALL):
+        start = start[prologue.end() :].lstrip() or b"<"
+
+    return next((what for begins, what in BEGINNINGS.items() if re.match(begins, start)), None)
 
 
 # what tomllib's messages mostly come from

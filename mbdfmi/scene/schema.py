@@ -108,7 +108,7 @@ class Scene(Part):
     name : free text.
     title, description : free text, or None.
     central_gravity : or None.
-    gravity : (3,) in m/s2 in the inertial frame; 0 with central_gravity.
+    gravity : (3,) in m/s2 in the inertial frame; [0, 0, -9.81] when left out, 0 with central_gravity.
     output : names of OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
         about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in

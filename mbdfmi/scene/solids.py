@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator
 
+from ..vectors import dot
 from .errors import show
 from .fields import SMALLEST, Array, Axis, NotNegative, Part, Positive, by_key, unit_vector
 from .orientation import Placed
@@ -114,6 +115,20 @@ def _round_moments(radii_squared, length):
     return np.array([across, across, radii_squared / 2])
 
 
+class Point(Part):
+    """A point mass, without inertia of its own. mass : kg."""
+
+    mass: Positive = Field(description="mass in kg")
+
+    def total_mass(self):
+        """Mass in kg."""
+        return self.mass
+
+    def moments(self):
+        """None about itself."""
+        return np.zeros(3)
+
+
 # solids: shapes at their places on a body
 
 class SolidBase(Placed):
@@ -124,7 +139,7 @@ class SolidBase(Placed):
         shape = getattr(self, self.kind)
         position, A = self.pose()
         mass = shape.total_mass()
-        return mass, position, mass * A @ np.diag(shape.moments()) @ A.T
+        return mass, position, mass * dot(A, np.diag(shape.moments()), A.T)
 
 
 class AxialSolid(SolidBase):
@@ -139,7 +154,7 @@ class AxialSolid(SolidBase):
         mass = shape.total_mass()
 
         across, _, along = shape.moments()
-        axis = A @ unit_vector(self.axis)
+        axis = dot(A, unit_vector(self.axis))
         moments = across * np.eye(3) + (along - across) * np.outer(axis, axis)
         return mass, position, mass * moments
 
@@ -172,7 +187,14 @@ class TubeSolid(AxialSolid):
     tube: Tube
 
 
-Solid = by_key("a solid", SphereSolid, BoxSolid, CylinderSolid, TubeSolid)
+class PointSolid(SolidBase):
+    """point = { mass }"""
+
+    kind: ClassVar[str] = "point"
+    point: Point
+
+
+Solid = by_key("a solid", SphereSolid, BoxSolid, CylinderSolid, TubeSolid, PointSolid)
 
 
 def composite(parts):
@@ -187,5 +209,5 @@ def composite(parts):
     inertia = np.zeros((3, 3))
     for m, c, about_own in parts:
         r = c - com
-        inertia += about_own + m * (r @ r * np.eye(3) - np.outer(r, r))
+        inertia += about_own + m * (dot(r, r) * np.eye(3) - np.outer(r, r))
     return mass, com, inertia
