@@ -27,14 +27,18 @@ class Platform(NamedTuple):
     target: str
     folders: tuple[str, ...]  # below binaries/
     suffix: str
+    flags: tuple[str, ...] = ()
 
+
+# what a library is called inside it: by default the path of the folder it was linked in
+_MACOS = ("-Wl,-install_name,@rpath/fmu.dylib",)
 
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), ".so"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), ".so"),
     "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), ".dll"),
-    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib"),
-    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin", "darwin64"), ".dylib"),
+    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib", _MACOS),
+    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin", "darwin64"), ".dylib", _MACOS),
 }
 """Platforms that a library can be linked for, on any of them.
 
@@ -116,7 +120,7 @@ def _link(platform: Platform, kernels: Path, library: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / f"fmu{platform.suffix}"
         sources = [*sorted(wrapper_folder().glob("*.c")), kernels]
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS, *platform.flags]
         command += [f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]
 
         # zig keeps what it builds of a platform's C library
