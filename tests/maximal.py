@@ -200,12 +200,47 @@ def loads(scene, motions, inputs):
             moved = np.concatenate([A1.T @ (r2 - r1), swing_and_twist(turned)])
             rates = np.concatenate([A1.T @ (v2 - v1 - cross(w1, r2 - r1)), A1.T @ (w2 - w1)])
             elastic = spec.preload_vector() - spec.stiffness_matrix() @ moved
-            drag = -spec.damping_matrix() @ rates
+            own = np.kron(np.eye(2), given_axes(spec, turned))
+            drag = -own @ spec.damping_matrix() @ own.T @ rates
             moment = swing_and_twist_jacobian(turned).T @ elastic[3:] + drag[3:]
             sum_.pair(first, second, r2, A1 @ (elastic[:3] + drag[:3]), A1 @ moment)
             sum_.power += drag @ rates
 
     return sum_
+
+
+def given_axes(spec, turned):
+    """Axes (3, 3) in the first marker's of damping and added mass; turned : those of the second marker."""
+    if spec.axes == "body":
+        return turned
+
+    yaw = swing_and_twist(turned)[2] if spec.axes == "heading" else 0.0
+    return Rotation.from_euler("z", yaw).as_matrix()
+
+
+def added_mass(spec, A1, A2, v, w):
+    """(A, X): what its added mass takes is A (a, alpha) + X on the second marker's origin, in inertial axes.
+
+    A1, A2 : axes of the markers. v, w : of the second marker. a : acceleration of the material point.
+    """
+    turn = np.kron(np.eye(2), A1 @ given_axes(spec, A1.T @ A2))
+    A = turn @ spec.added_mass_matrix() @ turn.T
+    V = np.concatenate([v, w])
+    p = (A @ V)[:3]
+
+    # Kirchhoff's equations, Lamb section 124: rates of the water's momenta about a point that moves
+    if spec.axes == "body":
+        spin = np.kron(np.eye(2), skew(w))
+        return A, (spin @ A - A @ spin) @ V + np.concatenate([0 * v, cross(v, p)])
+
+    # Lagrange's equations of the yaw
+    if spec.axes == "heading":
+        Z = np.kron(np.eye(2), skew(A1[:, 2]))
+        slope = Z @ A - A @ Z
+        yaw = A1 @ swing_and_twist_jacobian(A1.T @ A2)[2]
+        return A, yaw @ w * slope @ V - np.concatenate([0 * v, V @ slope @ V / 2 * yaw])
+
+    return A, np.zeros(6)
 
 
 def joint_position(joint, r1, A1, r2, A2):
@@ -257,19 +292,15 @@ def accelerations(scene, motions, inputs):
 
         return B
 
-    # added mass: Kirchhoff's equations in the marker's axes, Lamb section 124
     for force in scene.force.values():
         if force.kind == "linear" and np.any(force.linear.added_mass_matrix()):
-            body, (r, A, v, w) = marker_motion(scene, motions, force.between[1])
+            _, (_, A1, _, _) = marker_motion(scene, motions, force.between[0])
+            body, (r, A2, v, w) = marker_motion(scene, motions, force.between[1])
             B, b = point(body, r)
-            V, W = A.T @ v, A.T @ w
-            T = np.vstack([A.T @ B, A.T @ turning(body)])
-            t = np.concatenate([A.T @ b - cross(W, V), np.zeros(3)])
-            added = force.linear.added_mass_matrix()
-            p, L = np.split(added @ np.concatenate([V, W]), 2)
-            swept = np.concatenate([cross(W, p), cross(W, L) + cross(V, p)])
+            T, t = np.vstack([B, turning(body)]), np.concatenate([b, np.zeros(3)])
+            added, quadratic = added_mass(force.linear, A1, A2, v, w)
             M += T.T @ added @ T
-            f -= T.T @ (added @ t + swept)
+            f -= T.T @ (added @ t + quadratic)
 
     # joints: C a = gamma
     C, gamma = [], []

@@ -14,6 +14,7 @@ from mbdfmi.scene import Scene
 from mbdfmi.simulate import Instance
 
 KINDS = ("revolute", "prismatic", "spherical", "free", "fixed")
+AXES = ("first", "heading", "body")
 
 # the same examples in every run
 examples = settings(
@@ -141,13 +142,15 @@ def random_scene(
                 "stiffness": matrix(6, False),
                 "damping": matrix(6, symmetric),
                 "preload": rng.normal(size=6).tolist(),
+                "axes": AXES[k % 3],
             }
             force[f"linear {k}"] = {"linear": matrices, "between": pair}
 
     for name in names:
         if added_mass and chance(0.25):
             pair = ["ground.a", f"{name}.b"]
-            force[f"water {name}"] = {"linear": {"added_mass": matrix(6, True)}, "between": pair}
+            water = {"added_mass": matrix(6, True), "axes": AXES[len(force) % 3]}
+            force[f"water {name}"] = {"linear": water, "between": pair}
 
     def shuffled(table):
         keys = list(table)
@@ -275,6 +278,18 @@ def body_motion(instance: Instance, accelerated: bool = False) -> dict[str, tupl
             motion[name] += (alpha.copy(), a)
 
     return motion
+
+
+def momenta(instance: Instance) -> tuple[np.ndarray, np.ndarray]:
+    """(linear, angular about the inertial origin) momentum of the bodies alone."""
+    linear = angular = np.zeros(3)
+
+    for name, (r, A, w, v) in body_motion(instance).items():
+        mass, com, inertia = instance.model.scene.body[name].mass_properties()
+        linear = linear + mass * v
+        angular = angular + np.cross(r + A @ com, mass * v) + A @ inertia @ A.T @ w
+
+    return linear, angular
 
 
 def rotation(E) -> Rotation:

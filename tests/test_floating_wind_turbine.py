@@ -172,9 +172,16 @@ def period(time, signal):
     return np.diff(time[k] - x[k] * np.diff(time)[k] / np.diff(x)[k]).mean()
 
 
-def test_pitch_period():
-    run = adrift(pitch_deg=2.0).simulate(114, step=0.05)
-    assert period(run["time"], run["platform.zyx"][:, 1]) == pytest.approx(11.3744, rel=1e-3)
+@pytest.mark.parametrize("pitch_deg", [2.0, 5.0])
+def test_pitch_period(pitch_deg):
+    run = adrift(pitch_deg=pitch_deg).simulate(114, step=0.05)
+    assert period(run["time"], run["platform.zyx"][:, 1]) == pytest.approx(11.3744, rel=3e-4)
+
+
+def test_heave_that_goes_with_pitch():
+    """Weight and buoyancy change with the square of the pitch, half of 0.031 m; were the added mass to turn along, half of 0.11 m."""
+    heave = adrift(pitch_deg=5.0).simulate(114, step=0.05)["platform.position"][:, 2]
+    assert np.ptp(heave) / 2 == pytest.approx(0.0155, abs=2e-4)
 
 
 def test_heave_period():

@@ -17,6 +17,7 @@ from scenes import (
     inputs_of,
     inverse_dynamics,
     mass_matrix,
+    momenta,
     random_instance,
     random_scene,
     trees,
@@ -140,18 +141,6 @@ def test_energy_changes_by_the_power_of_inputs_and_dampers(case):
 
     # truncation h^6 and the rounding of E / h
     assert change == pytest.approx(power, rel=1e-8, abs=1e-8 * size + 1e-14 * size / h)
-
-
-def momenta(instance):
-    """(linear, angular about the inertial origin) momentum of the bodies alone."""
-    linear = angular = np.zeros(3)
-
-    for name, (r, A, w, v) in body_motion(instance).items():
-        mass, com, inertia = instance.model.scene.body[name].mass_properties()
-        linear = linear + mass * v
-        angular = angular + np.cross(r + A @ com, mass * v) + A @ inertia @ A.T @ w
-
-    return linear, angular
 
 
 @examples

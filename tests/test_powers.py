@@ -3,15 +3,15 @@ energy and of momentum on random trees and loops."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from loop_scenes import random_loops
-from scenes import KINDS, assert_near, evaluate, examples, random_scene
+from scenes import KINDS, assert_near, evaluate, examples, momenta, random_scene
 from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.simulate import Instance, SimulationError
 
 POWERS = ["input_power", "load_power", "driver_power", "dissipated_power"]
 ENERGIES = ["kinetic_energy", "gravity_energy", "spring_energy", "total_energy"]
@@ -112,7 +112,7 @@ def random_dressed(seed, loops, n_body, formulation, kinds=KINDS, **options):
     return Scene.model_validate(dressed(data, rng, **options))
 
 
-def rates(instance, names, h=1e-3):
+def rates(instance, names, h=1e-3, values_of=named_outputs):
     """Time derivatives of outputs of positions and velocities along x', by central differences of order 6."""
     d = instance.d
     x, t = d.x.copy(), d.time[0]
@@ -122,7 +122,7 @@ def rates(instance, names, h=1e-3):
     for k, weight in zip((-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)):
         d.x[:] = x + k * h * x_rate
         d.time[0] = t + k * h
-        values = named_outputs(instance)
+        values = values_of(instance)
 
         for name in names:
             found[name] = found[name] + weight * values[name] / (60 * h)
@@ -132,8 +132,13 @@ def rates(instance, names, h=1e-3):
 
 
 def instance_of(scene, seed):
-    """A run at its start with random inputs."""
-    instance = Instance(compile_scene(scene))
+    """A run at its start with random inputs; no example where the loops cannot be closed from there."""
+    try:
+        instance = Instance(compile_scene(scene))
+    except SimulationError as error:
+        assume("cannot be closed" not in str(error))
+        raise
+
     instance.u[: instance.model.n_u] = np.random.default_rng(seed).normal(size=instance.model.n_u)
     return instance
 
@@ -171,7 +176,7 @@ def sum_of(found, part):
 @examples
 @CASES
 def test_the_ground_bears_weight_and_loads_less_the_rate_of_momentum(seed, loops, n_body, formulation):
-    """Of bodies that all move, on which loads and inputs do not act: all else comes from the ground."""
+    """Of bodies that all move, on which loads and inputs do not act: all else comes from the ground, also what water exerts."""
     scene = random_dressed(seed, loops, n_body, formulation, kinds=KINDS[:-1], drivers=False)
     data = scene.model_dump(exclude_unset=True)
     data["force"] = {name: force for name, force in data["force"].items() if "load" not in force}
@@ -185,7 +190,7 @@ def test_the_ground_bears_weight_and_loads_less_the_rate_of_momentum(seed, loops
     instance = instance_of(Scene.model_validate(data), seed)
     found = named_outputs(instance)
     r, A = ground_pose(instance)
-    change = rates(instance, MOMENTA)
+    change = rates(instance, MOMENTA, values_of=momenta_of_the_bodies)
     mass = sum(body.mass_properties()[0] for body in scene.body.values())
     weight = mass * np.array(scene.gravity)
     force = weight - change["linear_momentum"]
@@ -194,6 +199,12 @@ def test_the_ground_bears_weight_and_loads_less_the_rate_of_momentum(seed, loops
     size = 1.0 + np.abs(force).max() + np.abs(moment).max() + np.abs(change["angular_momentum"]).max()
     assert_near(found["ground.reaction_force"], force, 1e-9 * size)
     assert_near(found["ground.reaction_moment"], moment, 1e-9 * size)
+
+
+def momenta_of_the_bodies(instance):
+    """Momenta without those of added mass, by the names of outputs."""
+    instance.outputs()
+    return dict(zip(("linear_momentum", "angular_momentum"), momenta(instance)))
 
 
 def ground_pose(instance):

@@ -3,10 +3,13 @@
 import numpy as np
 
 from ..kernels import outputs
+from ..kernels.forces import BODY, FIRST, HEADING
 from ..variables import dotted
 from ..vectors import norm
 from .elastic import elastic_table
 from .start import start_pose
+
+AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
 STRUT_OUTPUTS = {
     "length": (outputs.STRUT_LENGTH, "m", "length"),
@@ -35,7 +38,7 @@ def add_forces(builder):
 
         if force.kind == "linear":
             spec = force.linear
-            row = _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector())
+            row = _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector(), AXES[spec.axes])
             _add_linear_outputs(builder, name, force, row, *ends)
         elif force.kind == "bushing":
             row = _add_linear(builder, name, force.bushing, ends, np.zeros((6, 6)), np.zeros(6))
@@ -101,14 +104,15 @@ def _add_strut(builder, name, force, ends):
         builder.add_outputs(dotted(name, output), kind, unit, f"{about} of {name}", nodes, row, fed_by=fed_by)
 
 
-def _add_linear(builder, name, spec, ends, added, preload):
+def _add_linear(builder, name, spec, ends, added, preload, axes=FIRST):
     """A 6x6 force; returns its row."""
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
     row = builder.tables["n_linear"].add(
         linear_from=ends[0],
         linear_to=ends[1],
-        linear_adds=bool(np.any(added)),
+        linear_adds=bool(np.any(added)) and builder.marker_node(ends[1]) > 0,
+        linear_axes=axes,
         linear_stiffness=stiffness,
         linear_damping=damping,
         linear_added=added,

@@ -9,6 +9,12 @@ from . import algebra as al
 from . import coordinates, gravity, markers, tables
 from .language import inlined, kernel
 
+# axes that damping and added mass of a 6x6 force are given in: the first marker's, those turned about its z axis by the second
+# one's yaw, or the second one's own
+FIRST = 0
+HEADING = 1
+BODY = 2
+
 
 # springs and dampers, linear or by table
 
@@ -191,12 +197,30 @@ def linear_displacement(m, d, k):
 
 
 @inlined
-def linear_drag(m, d, k):
-    """What the damping of linear force k takes off its wrench: (force N, moment N m), in the first marker's axes."""
+def turned_axes(m, d, k, yaw):
+    """Rotation to the first marker's axes of those that linear force k has its damping and added mass in. yaw : rz (rad)."""
+    if m.linear_axes[k] == BODY:
+        return markers.relative_axes(m, d, m.linear_from[k], m.linear_to[k])
+
+    c = math.cos(yaw)
+    s = math.sin(yaw)
+    return ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))
+
+
+@inlined
+def linear_drag(m, d, k, yaw):
+    """What the damping of linear force k takes off its wrench: (force N, moment N m), in the first marker's axes. yaw : rz (rad)."""
     a = m.linear_from[k]
     b = m.linear_to[k]
+    v = markers.relative_velocity(m, d, a, b)
     w = markers.relative_angular_velocity(m, d, a, b)
-    return six_times(m.linear_damping, k, markers.relative_velocity(m, d, a, b), w)
+
+    if m.linear_axes[k] == FIRST:
+        return six_times(m.linear_damping, k, v, w)
+
+    A = turned_axes(m, d, k, yaw)
+    force, moment = six_times(m.linear_damping, k, al.matT_vec(A, v), al.matT_vec(A, w))
+    return al.mat_vec(A, force), al.mat_vec(A, moment)
 
 
 @inlined
@@ -204,13 +228,13 @@ def linear_wrench(m, d, k):
     """Wrench of linear force k on the second marker: (moment N m, force N), in the first one's axes.
 
     Stiffness and preload are generalised forces along (d, rx, ry, rz), so a symmetric stiffness keeps
-    energy at any angle; damping acts on the relative velocities.
+    energy at any angle; damping acts on the relative velocities. Added mass is no part of it.
     """
     moved, turned, columns = linear_displacement(m, d, k)
     force, Q = six_times(m.linear_stiffness, k, moved, turned)
     force = al.sub(al.vec3(m.linear_preload, 2 * k), force)
     Q = al.sub(al.vec3(m.linear_preload, 2 * k + 1), Q)
-    drag, drag_moment = linear_drag(m, d, k)
+    drag, drag_moment = linear_drag(m, d, k, turned[2])
     return al.sub(moment_of_swing_twist(columns, Q), drag_moment), al.sub(force, drag)
 
 

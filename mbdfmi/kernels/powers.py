@@ -143,8 +143,8 @@ def dissipated_by_linear(m, d, k):
     b = m.linear_to[k]
     v = markers.relative_velocity(m, d, a, b)
     w = markers.relative_angular_velocity(m, d, a, b)
-    drag, drag_moment = forces.linear_drag(m, d, k)
     moved, turned, columns = forces.linear_displacement(m, d, k)
+    drag, drag_moment = forces.linear_drag(m, d, k, turned[2])
     turning = swing_twist_rates(columns, w)
     force, Q = forces.six_times(m.linear_stiffness, k, moved, turned)
     force_rate, Q_rate = forces.six_times(m.linear_stiffness, k, v, turning)

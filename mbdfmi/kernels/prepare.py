@@ -3,7 +3,7 @@
 import math
 
 from . import algebra as al
-from . import control
+from . import control, forces
 from .language import inlined, kernel
 from .status import (
     BAD_ABSOLUTE_TOLERANCE,
@@ -44,24 +44,22 @@ def block(p, k, row, column):
 
 
 @inlined
-def add_added_mass(m, d, k):
-    """Added mass of linear force k, given at its second marker, to the node: blocks shifted to the node's origin.
+def prepare_added_mass(m, d, k):
+    """Blocks of linear force k's added mass, about its second marker, in the axes that `added_mass.axes` turns."""
+    M = block(m.linear_added, k, 0, 0)
+    H = block(m.linear_added, k, 1, 0)
+    I = block(m.linear_added, k, 1, 1)
 
-    With the point at p and V_p = (w, rd - p~ w): M' = M, H' = H + p~ M, I' = I + p~ H^T - H' p~.
-    """
-    b = m.linear_to[k]
-    i = m.marker_body[b]
-    A = al.mat3(m.marker_A, b)
-    A_T = al.transpose(A)
-    p = al.skew(al.vec3(m.marker_r, b))
-    M = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 0, 0)), A_T)
-    H = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 1, 0)), A_T)
-    I = al.mat_mat(al.mat_mat(A, block(m.linear_added, k, 1, 1)), A_T)
-    shifted = al.mat_add(H, al.mat_mat(p, M))
-    I = al.mat_add(I, al.mat_sub(al.mat_mat(p, al.transpose(H)), al.mat_mat(shifted, p)))
-    al.set_sym3(d.body_added_I, i, al.sym_add(al.sym3(d.body_added_I, i), al.sym_of_mat(I)))
-    al.set_mat3(d.body_added_H, i, al.mat_add(al.mat3(d.body_added_H, i), shifted))
-    al.set_sym3(d.body_added_M, i, al.sym_add(al.sym3(d.body_added_M, i), al.sym_of_mat(M)))
+    if m.linear_axes[k] != forces.HEADING:
+        A = al.mat3(m.marker_A, m.linear_to[k] if m.linear_axes[k] == forces.BODY else m.linear_from[k])
+        A_T = al.transpose(A)
+        M = al.mat_mat(al.mat_mat(A, M), A_T)
+        H = al.mat_mat(al.mat_mat(A, H), A_T)
+        I = al.mat_mat(al.mat_mat(A, I), A_T)
+
+    al.set_sym3(d.added_I, k, al.sym_of_mat(I))
+    al.set_mat3(d.added_H, k, H)
+    al.set_sym3(d.added_M, k, al.sym_of_mat(M))
 
 
 @inlined
@@ -73,10 +71,21 @@ def has_finite_inertia(d, i):
         total += abs(d.body_h[3 * i + k])
 
     for k in range(6):
-        total += abs(d.body_I[6 * i + k]) + abs(d.body_added_I[6 * i + k]) + abs(d.body_added_M[6 * i + k])
+        total += abs(d.body_I[6 * i + k])
 
-    for k in range(9):
-        total += abs(d.body_added_H[9 * i + k])
+    return math.isfinite(total)
+
+
+@inlined
+def has_finite_added_mass(d, k):
+    """Whether all blocks of force k's added mass are finite."""
+    total = 0.0
+
+    for j in range(6):
+        total += abs(d.added_I[6 * k + j]) + abs(d.added_M[6 * k + j])
+
+    for j in range(9):
+        total += abs(d.added_H[9 * k + j])
 
     return math.isfinite(total)
 
@@ -105,9 +114,6 @@ def prepare(m, d):
         d.body_m[i] = 0.0
         al.set_vec3(d.body_h, i, al.ZERO3)
         al.set_sym3(d.body_I, i, zero)
-        al.set_sym3(d.body_added_I, i, zero)
-        al.set_mat3(d.body_added_H, i, (al.ZERO3, al.ZERO3, al.ZERO3))
-        al.set_sym3(d.body_added_M, i, zero)
 
     for k in range(m.n_solid):
         i = m.solid_body[k]
@@ -128,8 +134,10 @@ def prepare(m, d):
         al.set_sym3(d.body_I, i, al.sym_add(al.sym3(d.body_I, i), about_origin))
 
     for k in range(m.n_linear):
-        if m.linear_adds[k] == 1:
-            add_added_mass(m, d, k)
+        prepare_added_mass(m, d, k)
+
+        if not has_finite_added_mass(d, k):
+            return status(BAD_PARAMETER, m.marker_body[m.linear_to[k]])
 
     for i in range(m.n_body):
         if not has_finite_inertia(d, i):

@@ -10,8 +10,8 @@ articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S moti
 Indices: i body, parent its parent.
 """
 
+from . import added_mass, joints
 from . import algebra as al
-from . import joints
 from .language import inlined, kernel
 from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
 
@@ -33,7 +33,7 @@ def kinematics(m, d):
 
 @inlined
 def momentum(m, d, i):
-    """(angular about the body's origin, linear) momentum of body i, added mass included."""
+    """(angular about the body's origin, linear) momentum of body i, added mass in still water included."""
     w = al.vec3(d.w, i)
     rd = al.vec3(d.rd, i)
     I = al.sym3(d.I, i)
@@ -56,8 +56,7 @@ def momentum(m, d, i):
 def inertias(m, d):
     """Inertias in inertial axes, velocity-dependent bias wrenches; starts the applied wrench with weight.
 
-    A body with added mass follows Kirchhoff's equations: with momenta L, p of the 6x6 inertia that turns with
-    the body, moment = dL/dt + rd x p, force = dp/dt (Lamb, Hydrodynamics, section 124). Weight takes no part of it.
+    Added mass is inertia as well, but has no weight.
     """
     g = al.vec3(m.gravity, 0)
     al.set_vec3(d.moment, 0, al.ZERO3)
@@ -71,30 +70,16 @@ def inertias(m, d):
         al.set_vec3(d.h, i, h)
         al.set_vec3(d.moment, i, al.cross(h, g))
         al.set_vec3(d.force, i, al.scale(mass, g))
-
-        if m.body_added[i] == 0:
-            I = al.sym_rotate(A, al.sym3(d.body_I, i))
-            al.set_sym3(d.I, i, I)
-            al.set_vec3(d.bias_moment, i, al.cross(w, al.sym_vec(I, w)))
-            al.set_vec3(d.bias_force, i, al.cross(w, al.cross(w, h)))
-            continue
-
-        rd = al.vec3(d.rd, i)
-        A_T = al.transpose(A)
-        I = al.sym_rotate(A, al.sym_add(al.sym3(d.body_I, i), al.sym3(d.body_added_I, i)))
-        H = al.mat_add(al.skew(h), al.mat_mat(al.mat_mat(A, al.mat3(d.body_added_H, i)), A_T))
-        M = al.sym_rotate(A, al.sym3(d.body_added_M, i))
-        M = (M[0] + mass, M[1] + mass, M[2] + mass, M[3], M[4], M[5])
+        I = al.sym_rotate(A, al.sym3(d.body_I, i))
         al.set_sym3(d.I, i, I)
-        al.set_mat3(d.H, i, H)
-        al.set_sym3(d.M, i, M)
+        al.set_vec3(d.bias_moment, i, al.cross(w, al.sym_vec(I, w)))
+        al.set_vec3(d.bias_force, i, al.cross(w, al.cross(w, h)))
 
-        # rates at zero alpha and rdd; the momenta's body-fixed part sees rdd - w x rd
-        L, p = momentum(m, d, i)
-        swept = al.cross(w, rd)
-        moment = al.add(al.cross(w, L), al.cross(rd, p))
-        al.set_vec3(d.bias_moment, i, al.sub(moment, al.mat_vec(H, swept)))
-        al.set_vec3(d.bias_force, i, al.sub(al.cross(w, p), al.sym_vec(M, swept)))
+        if m.body_added[i] == 1:
+            al.set_mat3(d.H, i, al.skew(h))
+            al.set_sym3(d.M, i, (mass, mass, mass, 0.0, 0.0, 0.0))
+
+    added_mass.add(m, d)
 
 
 @inlined
@@ -370,6 +355,8 @@ def joint_wrenches(m, d):
 
     What the accelerations alpha and rdd of all bodies need beside the applied wrenches; needs inertias.
     """
+    added_mass.add_reactions(m, d)
+
     for i in range(1, m.n_body):
         alpha = al.vec3(d.alpha, i)
         rdd = al.vec3(d.rdd, i)
@@ -448,6 +435,13 @@ def kinetic_energy(m, d):
         L, p = momentum(m, d, i)
         energy += 0.5 * (al.dot(al.vec3(d.w, i), L) + al.dot(al.vec3(d.rd, i), p))
 
+    for k in range(m.n_linear):
+        if added_mass.is_in_moving_water(m, k):
+            i = m.marker_body[m.linear_to[k]]
+            w, rd = added_mass.carried(m, d, k)
+            L, p = added_mass.borne(m, d, k)
+            energy -= al.dot(al.axpy(-0.5, w, al.vec3(d.w, i)), L) + al.dot(al.axpy(-0.5, rd, al.vec3(d.rd, i)), p)
+
     return energy
 
 
@@ -473,6 +467,13 @@ def total_momentum(m, d):
         L, p = momentum(m, d, i)
         angular = al.add(angular, al.add(L, al.cross(al.vec3(d.r, i), p)))
         linear = al.add(linear, p)
+
+    for k in range(m.n_linear):
+        if added_mass.is_in_moving_water(m, k):
+            L, p = added_mass.borne(m, d, k)
+            r = al.vec3(d.r, m.marker_body[m.linear_to[k]])
+            angular = al.sub(angular, al.add(L, al.cross(r, p)))
+            linear = al.sub(linear, p)
 
     return angular, linear
 

@@ -163,8 +163,8 @@ class Ground(Part):
     """The frame of the assembly, with markers on it by name.
 
     motion : of it in the inertial frame, or None: it is the inertial frame.
-    output : the force (N) and the moment about its origin (N m) with which all joints and forces together act on it, and
-        the weight of what is fixed to it; in its own axes. One that moves bears the contrary of what moves it.
+    output : the force (N) and the moment about its origin (N m) with which all joints and forces together act on it (added
+        masses too), and the weight of what is fixed to it; in its own axes. One that moves bears the contrary of what moves it.
     """
 
     motion: Motion | None = None

@@ -58,8 +58,14 @@ class LinearOptions(Part):
 
     stiffness : (6, 6) in N/m, N, N m/rad; on the displacement from the first marker.
     damping : (6, 6) in N s/m, N s, N m s/rad; on the velocity relative to the first marker.
-    added_mass : (6, 6) in kg, kg m, kg m2, in the second marker's axes about its origin.
+    added_mass : (6, 6) in kg, kg m, kg m2, about the second marker's origin: water that moves along and has no weight.
+        It rests in the frame of the first end: the ground, also one that moves, or "inertial". Its kinetic energy counts as the body's.
     preload : (6,) in N, N m; constant.
+    axes : of damping and added mass. "first", the first marker's: as in linear theory of bodies at the surface, the added mass
+        exerts -A (acceleration, angular acceleration) and no products of velocities, whatever way the body has turned.
+        "heading", those turned about the first marker's z axis by the body's yaw rz: in plane motion as "body".
+        "body", the second marker's: for a body deep in water (Kirchhoff's equations; moving along with u and w it feels
+        Munk's moment).
     """
 
     stiffness: Matrix6 | None = None
@@ -68,10 +74,11 @@ class LinearOptions(Part):
         Matrix6 | None, AfterValidator(lambda rows: rows if rows is None else _added_mass(rows))
     ] = None
     preload: Vector6 | None = None
+    axes: OneOf("first", "heading", "body") = "first"
 
     @model_validator(mode="after")
     def _check_not_empty(self):
-        if not self.model_fields_set:
+        if not self.model_fields_set - {"axes"}:
             raise ValueError('needs one of "stiffness", "damping", "added_mass" or "preload"')
         return self
 
@@ -249,7 +256,7 @@ class Load(Part):
 
 
 class Linear(Part):
-    """linear = { stiffness, damping, added_mass, preload }
+    """linear = { stiffness, damping, added_mass, preload, axes }
 
     output : force (N) and moment (N m) on the second marker about its origin, its displacement (m) and rotation (rx, ry,
         rz in rad) from the first, all in the first one's axes; the power on the bodies, W. What added mass resists
