@@ -25,7 +25,7 @@ from .files import check_ending, same, to_standard_output
 out = Console(markup=False, highlight=False, emoji=False)
 err = Console(markup=False, highlight=False, emoji=False, stderr=True)
 
-COMPILING = "compiling the kernels, once per version (up to a minute)"
+COMPILING = "compiling the kernels, once per version (some minutes)"
 MOST_POINTS = 10_000_000  # communication points of a run: some GB of results
 
 
@@ -97,7 +97,7 @@ def _parser():
         commands, _export, "export", "write scenes as FMUs",
         """An FMU (FMI 2.0, co-simulation) holds all it needs: no Python and no compiler
 where it runs. The first export of a version compiles the kernels, which takes
-up to a minute; later ones take a second.""",
+some minutes; later ones take a second.""",
         """examples:
   mbdfmi export crane.toml                      writes crane.fmu
   mbdfmi export crane.toml -o out/tower.fmu     under another name

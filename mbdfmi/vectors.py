@@ -19,3 +19,41 @@ def dot(*factors):
 def norm(vector):
     """Length of a vector."""
     return math.sqrt(sum(float(x) * float(x) for x in vector))
+
+
+def solve_banded(band, diagonals, right):
+    """x of A x = right, for A with `band` diagonals on each side, given as scipy's solve_banded takes them.
+
+    By elimination with row exchanges.
+    """
+    n = len(right)
+    width = 2 * band + 1
+    rows = np.zeros((n + band + 1, width))
+
+    for k in range(width):
+        at = np.arange(max(0, band - k), min(n, n + band - k))
+        rows[at, k] = diagonals[width - 1 - k, at + k - band]
+
+    # rows j to j + band, their columns from j on; those of the first rows begin to the left of column 0
+    window = np.zeros((band + 1, width))
+    for i in range(min(band + 1, n)):
+        window[i, : band + i + 1] = rows[i, band - i :]
+
+    x = np.append(right, np.zeros(width))
+    upper = np.empty((n, width))
+
+    for j in range(n):
+        pivot = int(np.abs(window[:, 0]).argmax())
+        window[[0, pivot]] = window[[pivot, 0]]
+        x[[j, j + pivot]] = x[[j + pivot, j]]
+        upper[j] = window[0]
+        factors = window[1:, 0] / window[0, 0]
+        x[j + 1 : j + band + 1] -= factors * x[j]
+        window[:-1, :-1] = window[1:, 1:] - factors[:, None] * window[0, 1:]
+        window[:-1, -1] = 0.0
+        window[-1] = rows[j + band + 1]
+
+    for j in range(n - 1, -1, -1):
+        x[j] = (x[j] - (upper[j, 1:] * x[j + 1 : j + width]).sum()) / upper[j, 0]
+
+    return x[:n]

@@ -7,7 +7,8 @@ than a sampled peak does.
 
 import numpy as np
 from scipy.interpolate import CubicSpline, KroghInterpolator, PchipInterpolator, PPoly
-from scipy.linalg import solve_banded
+
+from ..vectors import solve_banded
 
 # a spline may leave two neighbours by as much more than the parabola through samples of a peak does
 PEAK = 1.5
@@ -174,7 +175,7 @@ def _spline(x, y, held, slope, bend):
             add(row, 1.0, min(end, n - 2), THIRD[way < 0])
             add(row + 1, 1.0, min(end, n - 2), FOURTH[way < 0])
 
-    found = solve_banded((BAND, BAND), matrix, right, check_finite=False)
+    found = solve_banded(BAND, matrix, right)
     return np.where(held, (slope, bend), (found[::2] / size, found[1::2] / size**2))
 
 
