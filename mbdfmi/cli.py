@@ -144,10 +144,12 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
     command = _command(
         commands, _inverse, "inverse", "find the efforts that a motion needs",
         """The motion is a table (CSV) of joint coordinates by name over time: a row of names, as in
-"time,shoulder.angle [deg],boom.position", then numbers. Speeds and accelerations
+"time,shoulder.angle [deg],boom.position", then numbers; of a floating body float.position[1]
+to [3] and float.zyx[1] to [3] or float.euler_parameters[1] to [4]. Speeds and accelerations
 (shoulder.speed, shoulder.acceleration) are taken from there too, else from a spline through
 the positions. A table that `mbdfmi simulate --csv` wrote will do. Where loops close, as many
-joints are driven as there are degrees of freedom.""",
+joints are driven as there are degrees of freedom. What no motor could move (a floating base, a
+rod that may spin between two balls) goes on freely; so does the rest with --hybrid.""",
         """examples:
   mbdfmi inverse arm.toml --motion reach.csv
   mbdfmi inverse four_bar.toml --motion run.csv --drive crank --csv torque.csv --plot torque.png""",
@@ -158,6 +160,9 @@ joints are driven as there are degrees of freedom.""",
         "--drive", action="append", metavar="JOINT",
         help="drive this joint of those in the table (default: all); may be repeated",
     )  # fmt: skip
+    command.add_argument(
+        "--hybrid", action="store_true", help="joints that the table does not tell go on freely from the scene's start"
+    )
     command.add_argument("--csv", metavar="FILE", help="write efforts, motion and outputs as a table; - is the standard output")
     command.add_argument("--plot", metavar="FILE", help="write them as a picture: png, svg or pdf")
     command.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="as in mbdfmi simulate")
@@ -391,7 +396,9 @@ def _inverse(options):
     inputs, parameters = _settings(scene.compile(), options.set)
 
     with _time_bar(motion["time"][-1]) as progress:
-        results = scene.inverse(motion, drive=options.drive, inputs=inputs, parameters=parameters, progress=progress)
+        results = scene.inverse(
+            motion, drive=options.drive, inputs=inputs, parameters=parameters, progress=progress, hybrid=options.hybrid
+        )
 
     _show(results, csv, plot)
 

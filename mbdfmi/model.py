@@ -78,15 +78,18 @@ class Model:
         return [v for v in self.variables if v.causality == causality]
 
 
-def compile_scene(scene: Scene) -> Model:
-    """The model of a scene. Raises SceneError where its parts do not form what the kernels can do."""
+def compile_scene(scene: Scene, first=()) -> Model:
+    """The model of a scene; `first`: joints that are in its tree before all others.
+
+    Raises SceneError where its parts do not form what the kernels can do.
+    """
     if scene.solver.formulation == "augmented":
         relative = _compile(scene, spanning_tree(scene), "recursive")
         return _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
 
     # articulated bodies were the cheapest of the three at every size and shape measured (`mbdfmi bench`)
     formulation = scene.solver.formulation
-    return _compile(scene, spanning_tree(scene), "recursive" if formulation == "auto" else formulation)
+    return _compile(scene, spanning_tree(scene, first), "recursive" if formulation == "auto" else formulation)
 
 
 def _compile(scene, tree, formulation, motion=None, angles=None):

@@ -181,18 +181,17 @@ class Place:
 
 
 class Mechanism:
-    """A model at its start, to be looked at from Python. Drives of the joints in `released` count
-    as absent.
+    """A model at its start, to be looked at from Python.
 
     free : velocity coordinates that no drive prescribes; units : (n,) the SI value of a unit-free
     1 of each.
     length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
+    first : joints that are in the tree before all others.
     """
 
-    def __init__(self, scene, released=()):
+    def __init__(self, scene, first=()):
         self.scene = scene
-        self.released = released
-        self.model = compile_scene(scene)
+        self.model = compile_scene(scene, first)
         self.instance = Instance(self.model)
         self.m, self.d = self.instance.m, self.instance.d
         m = self.m
@@ -200,8 +199,7 @@ class Mechanism:
 
         for i in range(1, m.n_body):
             kind = m.body_joint[i]
-            driven = m.body_drive[i] >= 0 and self.model.tree.nodes[i].joint not in released
-            n = 0 if driven else joints.N_V[kind]
+            n = 0 if m.body_drive[i] >= 0 else joints.N_V[kind]
             self.free += range(m.body_v[i], m.body_v[i] + n)
             linear = {joints.PRISMATIC: 1, joints.FREE: 3}.get(kind, 0)
             rotates += [k >= linear for k in range(n)]
@@ -248,7 +246,6 @@ class Mechanism:
         turning = np.linalg.norm(force, axis=1) == 0.0
         scale = np.where(turning, 1.0, 1.0 / self.length)
         scale = np.where(self._is_coupling(), self._coupling_scale(C), scale)
-        scale[self._is_released()] = 0.0
         place = Place(
             C=scale[:, None] * C * self.units,
             scale=scale,
@@ -270,10 +267,6 @@ class Mechanism:
 
     def _is_coupling(self):
         return self.m.row_kind == rows.COUPLING
-
-    def _is_released(self):
-        driven = self.m.row_drive >= 0
-        return [driven[row] and self.owner(row) in self.released for row in range(self.m.n_row)]
 
     def _coupling_scale(self, C):
         """1 / the largest unit-free element: what a coupling is about has units of its own."""
@@ -392,26 +385,13 @@ class Mechanism:
 
     # joint coordinates
 
-    def driveable(self, place, driven=()) -> list[str]:
-        """Joints any one of which could be driven beside those in `driven`: it takes a freedom
-        away.
-        """
+    def driveable(self, place) -> list[str]:
+        """Joints any one of which could be driven: it takes a freedom away."""
         joints_ = self.scene.joint.items()
         free = [name for name, joint in joints_ if joint.kind in DRIVEABLE and not joint.driver]
-        n = self.driven_freedoms(place, driven)
-        return [name for name in free if self.driven_freedoms(place, [*driven, name]) > n]
+        return [name for name in free if np.linalg.norm(self.rates(name, place) @ place.motions) > 10 * ZERO]
 
-    def driven_freedoms(self, place, driven) -> int:
-        """How many freedoms drives of these joints take away."""
-        motions = place.motions
-
-        if not driven or not motions.size:
-            return 0
-
-        s = np.linalg.svd([self._rates(name, place) @ motions for name in driven], compute_uv=False)
-        return int(np.sum(s > 10 * ZERO))
-
-    def _rates(self, name, place):
+    def rates(self, name, place):
         """(n,) rate of a joint's coordinate by the free coordinates, without units."""
         length = 1.0 if self.scene.joint[name].kind == "revolute" else self.length
         return self._rates_by_unit(name, place) * self.units / length

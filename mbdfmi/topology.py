@@ -83,11 +83,11 @@ class Tree:
         return node, (r, dot(A, turn))
 
 
-def spanning_tree(scene: Scene) -> Tree:
+def spanning_tree(scene: Scene, first=()) -> Tree:
     """The spanning tree that leaves the fewest coordinates: joints of few freedoms are in it, those of many close loops.
 
     Joints with something of their own (spring, input, output, start, ...) are kept in the tree before others. Nodes come depth first, in
-    the order of the file.
+    the order of the file. first : joints that come into it before all others.
     """
     welded = _weld(scene)
     group_of = {body: k for k, group in enumerate(welded) for body in group}
@@ -110,7 +110,7 @@ def spanning_tree(scene: Scene) -> Tree:
     joints_at = [[] for _ in welded]
     chosen = set()
 
-    for name in sorted(ends, key=lambda name: _preference(scene.joint[name])):
+    for name in sorted(ends, key=lambda name: (name not in first, *_preference(scene.joint[name]))):
         a, b = ends[name]
 
         if find(a) != find(b):
