@@ -1,8 +1,9 @@
 """Inverse dynamics: given the motion of some joints over time, the efforts that make it.
 
-The joints told are held to their motion (hybrid dynamics: their accelerations are given, all others found), and what holds them
-is sought. It acts beside all else in the joint (spring, damper, friction, stop). Where loops close, as many freedoms are
-told as there are. What is left can go on freely from the scene's start: a floating base, a rod that may spin between two balls.
+The joints told are held to their motion (hybrid dynamics: their accelerations are given, all others
+found), and what holds them is sought. It acts beside all else in the joint (spring, damper,
+friction, stop). Where loops close, as many freedoms are told as there are. What is left can go on
+freely from the scene's start: a floating base, a rod that may spin between two balls.
 """
 
 import csv
@@ -44,7 +45,8 @@ POSE_OUTPUTS = {
 # where the motion does
 STRIDE = 0.05
 
-# relative and absolute tolerances of what goes on freely, and of loops that follow: these are closed at every time
+# relative and absolute tolerances of what goes on freely, and of loops that follow, which are closed
+# at every time
 FREE_TOLERANCE = 1e-12
 TOLERANCE = 1e-9
 
@@ -186,7 +188,10 @@ def _times(motion, times):
 
 
 def _quantities(joint):
-    """Quantities of a joint's motion: name -> (which coordinates, 0 position 1 speed 2 acceleration), or its size of a pose."""
+    """Quantities of a joint's motion: name -> (its coordinates, 0 position 1 speed 2 acceleration).
+
+    Of a pose the order is None.
+    """
     found = {}
 
     for k, (position, speed, _) in enumerate(COORDINATES.get(joint.kind, ())):
@@ -248,7 +253,9 @@ def _meant(name, known):
 
 
 def _courses(name, joint, given, times):
-    """[(coordinates, (n, size, 3) their values, rates and second rates)] of a joint; a pose is one of all of its own."""
+    """[(coordinates, (n, size, 3) their values, rates and second rates)] of a joint; of a pose one, of
+    all that it has.
+    """
     if not _is_located(joint, given):
         told = " and ".join(given)
         raise ValueError(f"the motion tells the {told} of {name!r}, but not its position over time")
@@ -300,7 +307,8 @@ def _columns(name, values, times, size):
     """(n, size) of a vector: by component, or all at once as numbers, an array or a function of time."""
     if isinstance(values, dict):
         if sorted(values) != list(range(1, size + 1)):
-            raise ValueError(f"the motion of {name!r} needs {size} components; found {listed(map(str, sorted(values)))}")
+            found = listed(map(str, sorted(values)))
+            raise ValueError(f"the motion of {name!r} needs {size} components; found {found}")
 
         return np.column_stack([_column(name, values[k], times) for k in range(1, size + 1)])
 
@@ -314,7 +322,8 @@ def _columns(name, values, times, size):
 
     if values.shape not in ((size,), (len(times), size)):
         found = f"found shape {values.shape}"
-        raise ValueError(f"the motion of {name!r} needs {size} values, or rows of them for {len(times)} times; {found}")
+        rows = f"{size} values, or rows of them for {len(times)} times"
+        raise ValueError(f"the motion of {name!r} needs {rows}; {found}")
 
     if not np.all(np.isfinite(values)):
         raise ValueError(f"the motion of {name!r} is not finite")
@@ -385,7 +394,9 @@ def _product(a, b):
 
 
 def _of_zyx(angles):
-    """Euler parameters and their rates (n, 4, 3) of yaw, pitch, roll and theirs (n, 3, 3): a product of three rotations."""
+    """Euler parameters and their rates (n, 4, 3) of yaw, pitch, roll and theirs (n, 3, 3): a product of
+    three rotations.
+    """
     course = np.empty((len(angles), 4, 3))
 
     for k, of in enumerate(angles):
@@ -417,11 +428,12 @@ def _undriven(scene, names):
 
     for name in names:
         joint = scene.joint[name]
-        wanted = POSE_OUTPUTS.get(joint.kind) or list(dict.fromkeys(q for p, v, _ in COORDINATES[joint.kind] for q in (p, v)))
-        wanted += ["acceleration"] if joint.kind in DRIVEABLE else []
+        wanted = POSE_OUTPUTS.get(joint.kind) or [q for row in COORDINATES[joint.kind] for q in row[:2]]
+        wanted = [*dict.fromkeys(wanted), *(["acceleration"] if joint.kind in DRIVEABLE else [])]
         rest = [output for output in joint.output if output not in (*DROPPED, *wanted)]
-        own = {key: value for key, value in (("driver", None), ("input", [])) if key in type(joint).model_fields}
-        changed[name] = joint.model_copy(update=own | {"output": [*wanted, *rest]})
+        own = {"driver": None, "input": [], "output": [*wanted, *rest]}
+        own = {key: value for key, value in own.items() if key in type(joint).model_fields}
+        changed[name] = joint.model_copy(update=own)
 
     formulation = scene.solver.formulation
     solver = scene.solver.model_copy(
@@ -431,8 +443,8 @@ def _undriven(scene, names):
 
 
 def _started(scene, names):
-    """The scene with those joints that close its loops started where they are found when it is assembled: they will be in
-    the tree, and others close the loops.
+    """The scene with those joints that close its loops started where they are found when it is
+    assembled: they will be in the tree, and others close the loops.
     """
     cuts = set(spanning_tree(scene).cuts) & {name for name in names if scene.joint[name].kind in DRIVEABLE}
 
@@ -454,7 +466,8 @@ def _started(scene, names):
 class _Told:
     """A joint of the tree, or some coordinates of it, and their motion.
 
-    nodes : of the coordinates in the tree's order; one of a joint that is spherical or free. course : (n, size, 3).
+    nodes : one for each coordinate, in the joint's order; of a spherical or free joint its one.
+    course : (n, size, 3) values, rates, second rates.
     """
 
     def __init__(self, model, nodes, course):
@@ -476,7 +489,9 @@ class _Told:
         return [m.body_q[i] + k for i in self.nodes for k in range(joints.N_Q[m.body_joint[i]])]
 
     def put(self, m, d, values):
-        """Its positions, rates and second rates (size, 3) into the state, its accelerations into x'; holds it."""
+        """Positions and speeds of values, rates, second rates (size, 3) into the state, accelerations into
+        x'; it is held.
+        """
         d.held[self.nodes] = 1.0
         v = [m.n_q + k for k in self.velocities(m)]
 
@@ -511,7 +526,7 @@ class _Told:
         return np.append(-np.array(algebra.E_matrix(tuple(E))) @ q[:-4], E) if self.kind == "free" else E
 
     def effort(self, m, d):
-        """What holds it, once `entry.compute_outputs` has found all reactions: along its coordinates, or (force,) moment."""
+        """What holds it, once all reactions are found: along its coordinates, or (force and) moment."""
         moment, force = d.bias_moment.reshape(-1, 3), d.bias_force.reshape(-1, 3)
 
         if not self.is_pose:
@@ -550,25 +565,23 @@ def _told(model, courses):
     told = {}
 
     for name, parts in courses.items():
-        nodes = sorted((i for i, node in enumerate(model.tree.nodes) if i and node.joint == name), key=_order(model))
+        nodes = [i for i, node in enumerate(model.tree.nodes) if i and node.joint == name]
+        nodes.sort(key=lambda i: model.tree.nodes[i].coordinate)
 
         if not nodes:
-            raise ValueError(f"the joints told close a loop at {name!r}: it follows from the others; drive fewer of them")
+            text = "it follows from the others; drive fewer of them"
+            raise ValueError(f"the joints told close a loop at {name!r}: {text}")
 
         told[name] = [_Told(model, [nodes[k] for k in of] if of else nodes, course) for of, course in parts]
 
     return told
 
 
-def _order(model):
-    return lambda i: model.tree.nodes[i].coordinate
-
-
 def _check_freedoms(mechanism, told, choose, hybrid):
-    """(joints told that are needed, joints that move freely). Raises ValueError unless each takes freedoms of its own away and,
-    if not `hybrid`, leaves none that a motor could move.
+    """(joints told that are needed, joints that move freely). Raises ValueError unless each takes
+    freedoms of its own away and, if not `hybrid`, leaves none that a motor could move.
 
-    choose : joints that are neither revolute nor prismatic are left out where they follow from others.
+    choose : joints that no motor moves are left out where they follow from others.
     """
     place = mechanism.generic()
     m, kinds = mechanism.m, mechanism.scene.joint
@@ -579,7 +592,7 @@ def _check_freedoms(mechanism, told, choose, hybrid):
         return [mechanism.free.index(v) for part in parts for v in part.velocities(m)]
 
     def taken(names, more=()):
-        some = np.vstack([place.motions[rows(names)], *more])
+        some = np.vstack([place.motions[rows(names)], *(row[None] for row in more)])
         return int(np.sum(np.linalg.svd(some, compute_uv=False) > 10 * ZERO)) if some.size else 0
 
     names = [name for name in told if kinds[name].kind in DRIVEABLE or not choose]
@@ -597,8 +610,11 @@ def _check_freedoms(mechanism, told, choose, hybrid):
         )
 
     left = freedoms - found
-    could = [name for name in mechanism.driveable(place) if name not in names]
-    could = [name for name in could if left and taken(names, [[mechanism.rates(name, place) @ place.motions]]) > found]
+    could = []
+
+    for name in mechanism.driveable(place) if left else ():
+        if taken(names, [mechanism.rates(name, place) @ place.motions]) > found:
+            could.append(name)
 
     if left and not hybrid and (could or not names):
         hint = f"of these could be driven too: {listed(could)}"
@@ -627,8 +643,8 @@ def _notices(free):
         return []
 
     return [
-        f"the motion leaves freedoms of {listed(free)} open: they go on freely from the scene's start, with the least kinetic energy "
-        "that the motion allows beside it; a spin that nothing drives stays zero"
+        f"the motion leaves freedoms of {listed(free)} open: they go on freely from the scene's start; a "
+        "spin that nothing drives stays as it starts, zero unless the scene starts with one"
     ]
 
 
@@ -727,7 +743,8 @@ class _Run:
         n = int(np.ceil(max(strides, default=0.0) / STRIDE)) if m.n_row else 0
 
         for k in range(1, n):
-            at_rest = [np.column_stack([start + span * k / n, *np.zeros((2, len(start)))]) for start, span in zip(starts, spans)]
+            places = [start + span * k / n for start, span in zip(starts, spans)]
+            at_rest = [np.column_stack([place, 0.0 * place, 0.0 * place]) for place in places]
             self._set(self.times[0], at_rest)
             self._close()
 
@@ -787,9 +804,9 @@ class _Run:
         model = self.instance.model
 
         for name in self.told:
-            efforts_of = zip(_effort_names(name, self.scene.joint[name], self.told[name]), np.array(efforts[name]).T)
+            names = _effort_names(name, self.scene.joint[name], self.told[name])
 
-            for (variable, unit), column in efforts_of:
+            for (variable, unit), column in zip(names, np.array(efforts[name]).T):
                 found[variable], units[variable] = column, unit
 
         for v, column in zip(model.of_causality("output"), columns.T):
@@ -800,7 +817,7 @@ class _Run:
 
 
 def _effort_names(name, joint, parts):
-    """[(variable, unit)] of what holds a joint, as its inputs are called; in the order of its parts' efforts."""
+    """[(variable, unit)] of what holds a joint, in the order of its parts' efforts."""
     if joint.kind in POSES:
         what = ["force", "moment"] if joint.kind == "free" else ["torque"]
         return [(dotted(name, w) + end, "N" if w == "force" else "N.m") for w in what for end in subscripts((3,))]

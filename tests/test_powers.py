@@ -404,3 +404,24 @@ def test_efforts_that_are_not_there(output, text):
 
     with pytest.raises(SceneError, match=text):
         Scene(name="x", body={"a": {"mass": 1, "inertia": ALL_AXES}}, joint={"j": joint})
+
+
+@examples
+@CASES
+def test_outputs_feel_the_inputs_that_they_depend_on(seed, loops, n_body, formulation):
+    """Whatever an input changes at the same instant lists it among its dependencies; efforts of springs and dampers list none."""
+    scene = random_dressed(seed, loops, n_body, formulation, kinds=KINDS[:-1])
+    instance = instance_of(scene, seed)
+    outputs = instance.model.of_causality("output")
+    before = instance.outputs().copy()
+
+    for v in instance.model.of_causality("input"):
+        kept = instance.u[v.index]
+        instance.u[v.index] = kept + 1.0
+        changed = np.flatnonzero(np.abs(instance.outputs() - before) > 1e-11 * (1.0 + np.abs(before).max()))
+        instance.u[v.index] = kept
+        assert [outputs[k].name for k in changed if v.index not in outputs[k].depends] == []
+
+    still = ("spring_effort", "damper_effort", "friction_effort", "stop_effort", "dissipated_power", "load_power")
+    assert not any(v.depends for v in outputs if v.name.endswith(still))
+    assert all(v.unit for v in outputs if v.name != "center_of_mass") and all(v.description for v in outputs)
