@@ -240,10 +240,24 @@ def _on_ground(builder):
 
     nodes = [i for i, node in enumerate(builder.nodes) if node.parent == 0 and node.kind != "free"]
     nodes += [i for group in builder.constraint_nodes if 0 in group for i in group]
-    struts = builder.tables["n_strut"].columns
-    ends = zip(*(struts.get(name, ()) for name in ("strut_u", "strut_from", "strut_to")))
-    fed_by = [int(u[0]) for u, *markers in ends if 0 in [builder.marker_node(int(k[0])) for k in markers]]
+    fed_by = []
+
+    for u, *pair in _columns(builder, "n_strut", "strut_u", "strut_from", "strut_to"):
+        if 0 in map(builder.marker_node, pair):
+            fed_by.append(u)
+
+    # the water of added mass is part of the ground
+    for adds, first, second in _columns(builder, "n_linear", "linear_adds", "linear_from", "linear_to"):
+        if adds and builder.marker_node(first) == 0:
+            nodes.append(builder.marker_node(second))
+
     return nodes, fed_by
+
+
+def _columns(builder, count, *names):
+    """Rows of some columns of whole numbers of a table."""
+    columns = builder.tables[count].columns
+    return zip(*([int(value[0]) for value in columns.get(name, ())] for name in names))
 
 
 def _add_multipliers(builder):
