@@ -174,8 +174,8 @@ def _told(validator):
 
     if "options" in cells:
         listed = ", ".join(f'`"{option}"`' for option in cells["options"])
-        several = function.__name__ == "validate"
-        return ("list of " if several else "one of ") + listed
+        words = {"validate": "list of ", "true_or_some": "true, or list of "}
+        return words.get(function.__name__, "one of ") + listed
 
     return cells.get("what")
 

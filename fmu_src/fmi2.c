@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "instance.h"
+#include "kernels.h"
 #include "snapshot.h"
 
 #define ANY_MODE (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | STEP_FAILED | TERMINATED)
@@ -262,8 +263,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
         const char *name = r->names[vr[i]];
         if (!is_input(c, vr[i]))
             REFUSE("%s: '%s' (value reference %u) is not an input", __func__, name, vr[i]);
-        if (order[i] < 1 || order[i] > 2)
-            REFUSE("%s: order %d of '%s': orders 1 and 2 are known", __func__, order[i], name);
+        if (order[i] < 1 || order[i] >= N_DERIVATIVE)
+            REFUSE("%s: order %d of '%s': orders 1 to %d are known", __func__, order[i], name,
+                   N_DERIVATIVE - 1);
         if (!isfinite(value[i]))
             REFUSE("%s: %g is no derivative of '%s' (value reference %u)", __func__, value[i],
                    name, vr[i]);

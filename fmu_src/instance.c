@@ -120,8 +120,12 @@ static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
     c->state[2] = 0;
     for (int k = 0; k < MOST_NOTICES && k < count; k++) {
         const double *notice = c->state + 3 + 3*k;
-        if (notice[0] > 0 && notice[0] < INT32_MAX)
-            tell(c, severity, doing, (int64_t)notice[0], notice + 1);
+        if (notice[0] > 0 && notice[0] < INT32_MAX) {
+            int64_t code = (int64_t)notice[0] % 256;
+            bool event = code == STIFF || code == NOT_STIFF;
+            tell(c, severity == fmi2OK && !event ? fmi2Warning : severity, doing,
+                 (int64_t)notice[0], notice + 1);
+        }
     }
     if (count > MOST_NOTICES)
         instance_log(c, severity, "%s: and %.9g more of this kind", doing, count - MOST_NOTICES);
@@ -147,7 +151,7 @@ static bool allocate(Instance *c)
 {
     const Resource *r = &c->resource;
 
-    c->core_size = sizeof(Core) + (size_t)(r->n_reals + r->n_state + 3*r->n_u)*sizeof(double);
+    c->core_size = sizeof(Core) + (size_t)(r->n_reals + r->n_state + N_DERIVATIVE*r->n_u)*sizeof(double);
     c->core = calloc(1, c->core_size);
     c->work = calloc((size_t)r->n_work + 1, sizeof(double));
     c->y = calloc((size_t)r->n_y + 1, sizeof(double));
@@ -264,18 +268,6 @@ fmi2Status instance_outputs(Instance *c)
     return result;
 }
 
-/* The inputs are quadratic in time over a step: moves their start to its end. */
-static void advance_inputs(Instance *c, double H)
-{
-    int64_t n = c->resource.n_u;
-    double *u = c->u, *du = u + n, *ddu = du + n;
-
-    for (int64_t i = 0; i < n; i++) {
-        u[i] += H*(du[i] + 0.5*H*ddu[i]);
-        du[i] = ddu[i] = 0;
-    }
-}
-
 fmi2Status instance_step(Instance *c, double t, double H)
 {
     fmi2Status result = instance_prepare(c);
@@ -301,7 +293,6 @@ fmi2Status instance_step(Instance *c, double t, double H)
     if (result == fmi2OK) {
         core->time = end;
         core->step = H;
-        advance_inputs(c, H);
     }
     else {
         core->time = t + (c->state[0] - before);

@@ -10,14 +10,19 @@
            in the log, from state[3] on a status and two numbers for each of the first MOST_NOTICES;
            the rest is the kernels' own, what prepare derives from the parameters too
    work    scratch, zero at first; work[0] is to be 0 when the state is not that of the last call
-   u       3*n_u: values of the inputs, then their first, then their second derivatives
-           at the start of the step; those that prescribe a motion are carried to its end
+   u       N_DERIVATIVE*n_u: values of the inputs, then their derivatives of order 1 to 5 at the
+           start of the step, which carries the values to its end and clears the derivatives
    y       n_y outputs
 */
 #ifndef MBDFMI_KERNELS_H
 #define MBDFMI_KERNELS_H
 
 #include <stdint.h>
+
+#define N_DERIVATIVE 6
+
+/* notices of a step that are events in the log (status.py); others are warnings */
+enum { STIFF = 10, NOT_STIFF = 11 };
 
 #define MOST_NOTICES 16
 #define N_HEAD_OF_STATE (3 + 3*MOST_NOTICES)

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "crc32.h"
+#include "kernels.h"
 
 #define VERSION 1
 
@@ -99,7 +100,7 @@ static bool possible(const Instance *c, const Core *core)
 
     for (int64_t i = 0; i < r->n_reals; i++)
         if (!isfinite(reals[i]) && !(reals[i] == r->reals[i])) return false;
-    for (int64_t i = 0; i < 3*r->n_u; i++)
+    for (int64_t i = 0; i < N_DERIVATIVE*r->n_u; i++)
         if (!isfinite(u[i])) return false;
     return true;
 }

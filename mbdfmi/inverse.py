@@ -16,7 +16,7 @@ from scipy.integrate import DOP853
 from scipy.interpolate import BPoly, make_interp_spline
 
 from .compiler.joints import COORDINATES
-from .kernels import algebra, joints, layout, outputs, project, rates
+from .kernels import algebra, commands, joints, layout, outputs, project, rates
 from .kernels.status import OK
 from .results import Results
 from .scene import Scene, variable_name
@@ -719,6 +719,8 @@ class _Run:
 
         for position, column in self.signals:
             self.instance.u[position] = np.interp(t, self.times, column)
+
+        commands.plan(self.m, self.d, 0.0)
 
         for part, value in zip(self.parts, values):
             part.put(self.m, self.d, value)

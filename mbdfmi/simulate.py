@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 
 import numpy as np
 
+from .inputs import Inputs, known, numbers
 from .kernels import entry
+from .kernels.commands import N_DERIVATIVE
 from .kernels.status import MESSAGES, MOST_NOTICES, OK
 from .kernels.views import DataView, ModelView
 from .model import Model
@@ -28,7 +29,8 @@ class SimulationError(Exception):
 class Instance:
     """One run of a model, to be driven step by step.
 
-    m, d : the kernels' views of it; u : inputs (n_u,), their first and second derivatives; y : outputs (n_y,) after
+    m, d : the kernels' views of it; u : inputs (n_u,), then their derivatives of order 1 to 5 at the
+    start of a step, which last one step; y : outputs (n_y,) after
     `outputs`. notices : what a user should be told: of the scene, of its start, and, with the time, of the run. The run begins
     with the inputs' start values, or with `inputs` (position in u -> value).
     """
@@ -44,7 +46,7 @@ class Instance:
         self.notices = list(model.notices)
         self.reals = model.reals.copy()
         self._prepared = None
-        self.u = np.zeros(3 * max(1, model.n_u))
+        self.u = np.zeros(N_DERIVATIVE * max(1, model.n_u))
         self.y = np.zeros(model.n_y)
         self.m = ModelView(ints=model.ints, reals=self.reals)
         state, work = np.zeros(model.n_state), np.zeros(model.n_work)
@@ -56,8 +58,8 @@ class Instance:
             self.u[position] = value
 
         for name, value in (parameters or {}).items():
-            index = _known(variable_name(name), by_name, "parameter").index
-            self.reals[index] = _numbers(value, f"parameter {name!r}", ())
+            index = known(variable_name(name), by_name, "parameter").index
+            self.reals[index] = numbers(value, f"parameter {name!r}", ())
 
         self.prepare()
         status = entry.initialise(self.m, self.d, start_time)
@@ -123,22 +125,24 @@ def simulate(
 ) -> Results:
     """Run a model in process from start_time to `until` (s).
 
-    step : communication step (s), by default a 500th of the run. Inputs are held over it and results kept at its ends.
-    inputs : by variable name, as in an FMU or with the scene's names as they are: a number, a function of time (s), or an array of one value for each communication
-        point. The name of an array variable without index takes 3 of these, or a function that returns 3.
+    step : communication step (s), by default a 500th of the run, at whose ends results are kept.
+    inputs : by variable name, as in an FMU or with the scene's names as they are: a number, an array of one value for each
+        communication point, held until the next, or a function of time (s) alone, which is followed between communication
+        points too, jumps and corners included (a pulse shorter than a tenth of a step may be missed). The name of an array
+        variable without index takes as many of these as it has elements, or a function that returns them.
     parameters : values other than the scene's, by variable name.
     progress : called with the time reached (s) after each communication step.
 
     Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
     names, ValueError for times or arrays that do not fit.
     """
-    until, start_time = float(_numbers(until, "until", (), False)), float(_numbers(start_time, "start_time", ()))
+    until, start_time = float(numbers(until, "until", (), False)), float(numbers(start_time, "start_time", ()))
     duration = until - start_time
 
     if not 0.0 < duration < np.inf:
         raise ValueError(f"the run must end after it starts at {start_time} s; found until = {until}")
 
-    step = duration / 500 if step is None else float(_numbers(step, "step", (), False))
+    step = duration / 500 if step is None else float(numbers(step, "step", (), False))
 
     if not 0.0 < step < np.inf:
         raise ValueError(f"the communication step must be positive; found {step}")
@@ -151,85 +155,35 @@ def simulate(
     steps = np.full(n, step)
     steps[-1] = duration - (n - 1) * step
     times = start_time + np.append(np.arange(n) * step, duration)
-    signals = _signals(model, inputs or {}, times)
-    first = {position: signal(0) for position, signal in signals}
-    instance = Instance(model, parameters, start_time, first)
+    signals = Inputs(model, inputs or {}, times, _tolerance(model, parameters))
+    instance = Instance(model, parameters, start_time, signals.first())
+    u = instance.u.reshape(N_DERIVATIVE, -1)
     columns = np.empty((n + 1, model.n_u + model.n_y))
 
     for k in range(n + 1):
-        for position, signal in signals:
-            instance.u[position] = signal(k)
+        for position, value in signals.held(k).items():
+            u[0, position] = value
 
+        parts = signals.parts(k, steps[k] if k < n else 0.0)
+        u[:, signals.positions] = parts[0][1]
         columns[k, : model.n_u] = instance.u[: model.n_u]
         columns[k, model.n_u :] = instance.outputs()
 
-        if k < n:
-            instance.step(steps[k])
+        for i, (length, derivatives) in enumerate(parts if k < n else ()):
+            if i > 0:
+                u[:, signals.positions] = derivatives
 
-            if progress:
-                progress(instance.time)
+            instance.step(length)
+
+        if progress and k < n:
+            progress(instance.time)
 
     shown = [v for v in model.variables if v.causality != "parameter"]
     units = {"time": "s"} | {v.name: v.unit for v in shown}
     by_name = {"time": times} | {v.name: columns[:, k] for k, v in enumerate(shown)}
-    return Results(by_name, units, model.title, instance.notices)
+    return Results(by_name, units, model.title, instance.notices + signals.notices)
 
 
-def _numbers(given, what, shape=None, finite=True):
-    """The numbers given, as an array. Raises ValueError; `what` says of what, `shape` is the only one that will do."""
-    try:
-        values = np.asarray(given)
-    except ValueError:
-        values = np.empty(0, object)
-
-    if values.dtype.kind not in "iuf" or shape not in (None, values.shape):
-        raise ValueError(f"{what} needs {'numbers' if shape is None else 'a number'}, found {given!r}")
-
-    if finite and not np.all(np.isfinite(values)):
-        raise ValueError(f"{what} must be finite, found {values[~np.isfinite(values)].flat[0]}")
-
-    return values.astype(float)
-
-
-def _known(name, by_name, what):
-    if name in by_name:
-        return by_name[name]
-
-    close = get_close_matches(name, by_name, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else f"; there are {', '.join(by_name) or 'none'}"
-    raise KeyError(f"no {what} {name!r}{hint}")
-
-
-def _signals(model, inputs, times):
-    """(position in u, function of the communication point's number) for each input given."""
-    by_name = {v.name: v for v in model.of_causality("input")}
-    signals = []
-
-    for name, given in inputs.items():
-        name = variable_name(name)
-        parts = [v.index for key, v in by_name.items() if key.startswith(f"{name}[")]
-
-        if name in by_name or not parts:
-            parts = [_known(name, by_name, "input").index]
-
-        for component, position in enumerate(parts):
-            signals.append((position, _signal(name, given, component, len(parts), times)))
-
-    return signals
-
-
-def _signal(name, given, component, size, times):
-    if callable(given):
-        return lambda k: np.atleast_1d(given(times[k]))[component]
-
-    values = _numbers(given, f"input {name!r}")
-
-    if size > 1 and values.shape in ((size,), (len(times), size)):
-        values = values[..., component]
-    elif size > 1 or values.shape not in ((), times.shape):
-        raise ValueError(
-            f"input {name!r}: needs {size} number(s), or as many for each of the {len(times)} communication "
-            f"points; found shape {values.shape}"
-        )
-
-    return lambda k: values if values.ndim == 0 else values[k]
+def _tolerance(model, parameters):
+    """The solver's relative tolerance, a parameter."""
+    return (parameters or {}).get("solver.tolerance", model.scene.solver.tolerance)

@@ -581,8 +581,8 @@ def test_no_derivatives_out(arm):
 
 def test_input_derivatives_refused(arm):
     assert arm.set_derivatives("shoulder.torque", 0, 1.0) == ERROR
-    assert arm.set_derivatives("shoulder.torque", 3, 1.0) == ERROR
-    assert "order 3 of 'shoulder.torque'" in arm.message
+    assert arm.set_derivatives("shoulder.torque", 6, 1.0) == ERROR
+    assert "order 6 of 'shoulder.torque'" in arm.message
     assert arm.set_derivatives("elbow.angle", 1, 1.0) == ERROR
     assert "'elbow.angle'" in arm.message and "not an input" in arm.message
 
@@ -628,13 +628,12 @@ def test_as_in_process(arm_model_and_library, new):
 
     for i in range(100):
         inside.u[:] = rng.normal(size=inside.u.size) * 5
-        u = inside.u.reshape(3, -1)
+        u = inside.u.reshape(6, -1)
         assert instance.set(dict(zip(names, u[0]))) == OK
-        for order, name in itertools.product((1, 2), names):
+        for order, name in itertools.product(range(1, 6), names):
             assert instance.set_derivatives(name, order, u[order][names.index(name)]) == OK
 
         inside.step(0.02)
-        inside.u[:] = np.concatenate([u[0] + 0.02 * (u[1] + 0.01 * u[2]), 0 * u[1], 0 * u[2]])
         assert instance.step(i * 0.02, 0.02) == OK
         np.testing.assert_allclose(instance.outputs(), inside.outputs(), rtol=1e-12, atol=1e-12)
 

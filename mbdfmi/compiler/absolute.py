@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..kernels import coordinates, entry
+from ..kernels.commands import N_DERIVATIVE
 from ..kernels.views import DataView, ModelView
 from ..variables import dotted
 from ..vectors import dot
@@ -16,7 +17,7 @@ def start_motion(model):
     angles of joints: (joint, which of its coordinates) -> rad).
     """
     m = ModelView(ints=model.ints, reals=model.reals.copy())
-    state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(3 * max(1, model.n_u))
+    state, work, u = np.zeros(model.n_state), np.zeros(model.n_work), np.zeros(N_DERIVATIVE * max(1, model.n_u))
     u[: model.n_u] = [v.start for v in model.of_causality("input")]
     d = DataView(ints=model.ints, state=state, work=work, u=u)
     entry.prepare(m, d)

@@ -2,19 +2,32 @@
 
 import numpy as np
 
-from ..kernels import drives, outputs, rows
+from ..kernels import commands, drives, outputs, rows
 from ..variables import dotted
 from .joints import COORDINATES
 from .start import start_coordinate
 
-GROUND_INPUTS = (
-    ("position", 3, "m"),
-    ("velocity", 3, "m/s"),
-    ("acceleration", 3, "m/s2"),
-    ("euler_parameters", 4, None),
-    ("omega", 3, "rad/s"),
-    ("alpha", 3, "rad/s2"),
-)
+# of the ground: (size, unit, what it is)
+GROUND_INPUTS = {
+    "position": (3, "m", "position"),
+    "velocity": (3, "m/s", "velocity"),
+    "acceleration": (3, "m/s2", "acceleration"),
+    "euler_parameters": (4, None, "Euler parameters"),
+    "zyx": (3, "rad", "yaw, pitch and roll"),
+    "omega": (3, "rad/s", "angular velocity"),
+    "alpha": (3, "rad/s2", "angular acceleration"),
+}
+
+GROUND_PLACE = ("position", "velocity", "acceleration")
+GROUND_TURN = ("omega", "alpha")
+
+# by what tells the orientation, and whether the angular velocity is told
+TURNS = {
+    ("euler_parameters", False): commands.TURN_E,
+    ("zyx", False): commands.TURN_ZYX,
+    ("euler_parameters", True): commands.TURN_E_OMEGA,
+    ("zyx", True): commands.TURN_ZYX_OMEGA,
+}
 
 
 def add_drives(builder):
@@ -41,11 +54,22 @@ def add_drives(builder):
             builder.driven_cuts[name] = drive
 
 
-def _add(builder, kind, node, value=(), at=0):
-    """A row of the table of drives."""
+def _add(builder, kind, node, value=(), at=0, channels=(), turn=(commands.TURN_NONE, 0)):
+    """A row of the table of drives; `channels`: inputs that tell position, speed, acceleration of each, and whether an angle."""
     values = np.zeros(16)
     values[: len(value)] = value
-    return builder.tables["n_drive"].add(drive_kind=kind, drive_body=node, drive_at=at, drive_value=values)
+    rows = [builder.tables["n_command"].add(command_u=u, command_angular=int(angular)) for u, angular in channels]
+    return builder.tables["n_drive"].add(
+        drive_kind=kind, drive_body=node, drive_at=at, drive_value=values, drive_turn=turn,
+        drive_command=rows[0] if rows else -1, drive_commands=len(rows),
+    )
+
+
+def _belonging(names, quantity, missing):
+    """Which inputs are set together with one of them, for its description."""
+    others = " and ".join(name for name in names if name != quantity)
+    text = f"; to be set together with {others}" if others else ""
+    return text + (f"; {' and '.join(missing)} found from the last commands" if missing else "")
 
 
 def _add_joint_drive(builder, name, joint, node):
@@ -71,18 +95,20 @@ def _add_joint_drive(builder, name, joint, node):
         table = builder.tables_over_time(driver.table.interpolation, *driver.table.points())
         return _add(builder, drives.TABLE, node, at=table)
 
-    nodes = builder.nodes_of(name)
-    first = None
+    told = len(driver.commands())
+    quantities = (position, speed, "acceleration")
+    names = {quantity: dotted(name, f"{quantity}_command") for quantity in quantities[:told]}
+    starts = (joint.start_position, joint.start_velocity, lambda: [0.0])
+    inputs = [-1, -1, -1]
 
-    for quantity, ending in ((position, ""), (speed, "/s"), ("acceleration", "/s2")):
-        about = f"{quantity} that {name} is driven to"
-        start = {position: joint.start_position, speed: joint.start_velocity}.get(quantity)
-        variable = dotted(name, f"{quantity}_command")
-        value = float(start()[0]) if start else 0.0
-        u = builder.add_inputs(variable, (), unit + ending, about, nodes, moves=True, start=value)
-        first = u if first is None else first
+    for k, (quantity, variable) in enumerate(names.items()):
+        about = f"{quantity} that {name} is driven to" + _belonging(names.values(), variable, quantities[told:])
+        value = float(starts[k]()[0])
+        inputs[k] = builder.add_inputs(
+            variable, (), unit + ("", "/s", "/s2")[k], about, builder.nodes_of(name), moves=True, start=value
+        )
 
-    return _add(builder, drives.INPUT, node, at=first)
+    return _add(builder, drives.INPUT, node, channels=[(inputs, unit == "rad")])
 
 
 def _add_ground(builder, motion, node):
@@ -105,15 +131,41 @@ def _add_ground(builder, motion, node):
         table = builder.tables_over_time(motion.table.interpolation, time, np.hstack([position, E]))
         return _add(builder, drives.GROUND_TABLE, node, at=table)
 
-    first = None
+    return _add_ground_inputs(builder, motion.commands(), node)
 
-    for quantity, size, unit in GROUND_INPUTS:
-        about = f"{quantity.replace('_', ' ')} of the ground in the inertial frame"
+
+def _add_ground_inputs(builder, told, node):
+    """The drive of a ground that inputs command; `told`: what they tell of its motion."""
+    of_place, of_turn = (
+        [quantity for quantity in GROUND_INPUTS if (quantity in GROUND_PLACE) == place] for place in (True, False)
+    )
+    first = {}
+
+    for quantity in told:
+        size, unit, what = GROUND_INPUTS[quantity]
+        group = [q for q in (of_place if quantity in of_place else of_turn) if q in told]
+        chain = GROUND_PLACE if quantity in of_place else GROUND_TURN
+        missing = [GROUND_INPUTS[q][2] for q in chain if q not in told]
+        names = [dotted("ground", q) for q in group]
+        about = f"{what} of the ground in the inertial frame" + _belonging(names, dotted("ground", quantity), missing)
         start = (0.0, 0.0, 0.0, 1.0) if size == 4 else 0.0
-        u = builder.add_inputs(dotted("ground", quantity), (size,), unit, about, [node], moves=True, start=start)
-        first = u if first is None else first
+        first[quantity] = builder.add_inputs(dotted("ground", quantity), (size,), unit, about, [node], moves=True, start=start)
 
-    return _add(builder, drives.GROUND_INPUT, node, at=first)
+    def channels(quantities, n):
+        return [[first[q] + k if q in first else -1 for q in quantities] for k in range(n)]
+
+    found = [(u, False) for u in channels(GROUND_PLACE, 3)]
+    orientation = next((q for q in ("zyx", "euler_parameters") if q in first), None)
+    turn = (commands.TURN_NONE, 0)
+
+    if orientation:
+        turn = (TURNS[orientation, "omega" in first], first[orientation])
+        lone = channels((orientation, None, None), GROUND_INPUTS[orientation][0])
+        with_omega = channels((None, *GROUND_TURN), 3)
+        found += [(u, False) for u in (with_omega if "omega" in first else lone)]
+        builder.counts["n_attitude"] = int("omega" in first)
+
+    return _add(builder, drives.GROUND_INPUT, node, channels=found, turn=turn)
 
 
 def drive_constraints(builder):

@@ -7,28 +7,21 @@ given, hybrid dynamics); one that closes a loop is driven by a row of `rows`.
 import math
 
 from . import algebra as al
-from . import tables
+from . import commands, tables
 from .language import inlined, kernel
 
 # of one coordinate; drive_value:
 CONSTANT_SPEED = 0  # position at the start, speed
 HARMONIC = 1  # mean, amplitude, angular frequency rad/s, phase rad
 TABLE = 2  # drive_at: table over time
-INPUT = 3  # drive_at: inputs position, speed, acceleration at the start of the communication step
+INPUT = 3  # drive_command: a channel (commands.py)
 
 # of the ground; drive_value:
 GROUND_ACCELERATION = 4  # position, velocity at time 0, acceleration (3 each)
 GROUND_ROTATION = 5  # axis (3), point (3), speed, angle at time 0
 GROUND_ORBIT = 6  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
 GROUND_TABLE = 7  # drive_at: 7 tables over time, position and E
-GROUND_INPUT = 8  # drive_at: inputs r, r', r'' (3 each), E (4), w, w' (3 each)
-
-
-@inlined
-def extrapolated(d, u, s):
-    """Position, speed, acceleration at time s (s) of the communication step from three inputs at its start."""
-    a = d.u_buffer[u + 2]
-    return d.u_buffer[u] + s * (d.u_buffer[u + 1] + 0.5 * s * a), d.u_buffer[u + 1] + s * a, a
+GROUND_INPUT = 8  # drive_command: channels of position and orientation
 
 
 @kernel
@@ -51,7 +44,7 @@ def target(m, d, k):
     if kind == TABLE:
         return tables.evaluate(m, m.drive_at[k], d.now[0])
 
-    return extrapolated(d, m.drive_at[k], d.now[0] - d.time[0])
+    return commands.motion(d, m.drive_command[k], d.now[0] - d.time[0])
 
 
 @inlined
@@ -65,19 +58,10 @@ def table_vector(m, k, t):
 
 @inlined
 def rotation_of_table(m, k, t):
-    """(E of unit length, w, w') of the four tables of E from k on; the splines need not keep unit length.
-
-    w = 2 B E' / E.E and w' = 2 B E'' / E.E - 2 (E.E') / E.E w, since B E = B' E' = 0.
-    """
+    """(E of unit length, w, w') of the four tables of E from k on; the splines need not keep unit length."""
     a, a1, a2 = table_vector(m, k, t)
     b, b1, b2 = tables.evaluate(m, k + 3, t)
-    E = (a[0], a[1], a[2], b)
-    E1 = (a1[0], a1[1], a1[2], b1)
-    E2 = (a2[0], a2[1], a2[2], b2)
-    s = 1.0 / al.E_dot(E, E)
-    w = al.scale(2.0 * s, al.B_times(E, E1))
-    alpha = al.axpy(-2.0 * s * al.E_dot(E, E1), w, al.scale(2.0 * s, al.B_times(E, E2)))
-    return al.E_scale(math.sqrt(s), E), w, alpha
+    return commands.rotation_of_E((a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2))
 
 
 @kernel
@@ -131,29 +115,9 @@ def ground_motion(m, d, k):
         return r, rd, rdd, E, w, alpha
 
     s = t - d.time[0]
-    rdd = al.vec_at(d.u_buffer, u + 6)
-    rd = al.axpy(s, rdd, al.vec_at(d.u_buffer, u + 3))
-    r = al.axpy(s, al.axpy(0.5 * s, rdd, al.vec_at(d.u_buffer, u + 3)), al.vec_at(d.u_buffer, u))
-    alpha = al.vec_at(d.u_buffer, u + 16)
-    w = al.axpy(s, alpha, al.vec_at(d.u_buffer, u + 13))
-    return r, rd, rdd, turned_by_input(d, u, s), w, alpha
-
-
-@inlined
-def turned_by_input(d, u, s):
-    """E at time s of the communication step: that of the inputs, turned by w s + w' s^2 / 2. Unit when E has no length."""
-    E = al.E_at(d.u_buffer, u + 9)
-    length = math.sqrt(al.E_dot(E, E))
-
-    if not length > 0.0:
-        return (0.0, 0.0, 0.0, 1.0)
-
-    turn = al.axpy(0.5 * s, al.vec_at(d.u_buffer, u + 16), al.vec_at(d.u_buffer, u + 13))
-    turn = al.scale(s, turn)
-    angle = al.norm(turn)
-    axis = al.scale(math.sin(0.5 * angle) / angle if angle > 0.0 else 0.0, turn)
-    swing = (axis[0], axis[1], axis[2], math.cos(0.5 * angle))
-    return al.E_product(swing, al.E_scale(1.0 / length, E))
+    r, rd, rdd = commands.vector_course(d, m.drive_command[k], s, True)
+    E, w, alpha = commands.orientation(m, d, k, s, True)
+    return r, rd, rdd, E, w, alpha
 
 
 @kernel
@@ -183,26 +147,3 @@ def prescribe(m, d):
             al.set_vec_at(d.x, v + 3, al.matT_vec(A, w))
             al.set_vec_at(d.x_rate, v, rdd)
             al.set_vec_at(d.x_rate, v + 3, al.matT_vec(A, alpha))
-
-
-@kernel
-def advance_inputs(m, d, H):
-    """Inputs that prescribe motion, carried to the end of a communication step of H (s) for outputs there."""
-    for k in range(m.n_drive):
-        u = m.drive_at[k]
-
-        if m.drive_kind[k] == INPUT:
-            position, rate, _ = extrapolated(d, u, H)
-            d.u_buffer[u] = position
-            d.u_buffer[u + 1] = rate
-
-        elif m.drive_kind[k] == GROUND_INPUT:
-            E = turned_by_input(d, u, H)
-            rdd = al.vec_at(d.u_buffer, u + 6)
-            rd = al.vec_at(d.u_buffer, u + 3)
-            r = al.axpy(H, al.axpy(0.5 * H, rdd, rd), al.vec_at(d.u_buffer, u))
-            al.set_vec_at(d.u_buffer, u, r)
-            al.set_vec_at(d.u_buffer, u + 3, al.axpy(H, rdd, rd))
-            al.set_E_at(d.u_buffer, u + 9, E)
-            w = al.axpy(H, al.vec_at(d.u_buffer, u + 16), al.vec_at(d.u_buffer, u + 13))
-            al.set_vec_at(d.u_buffer, u + 13, w)

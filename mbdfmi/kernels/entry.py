@@ -8,6 +8,7 @@ import math
 from numba import types
 
 from . import (
+    commands,
     drives,
     dynamics,
     forces,
@@ -34,6 +35,8 @@ def initialise(m, d, t0):
     d.now[0] = t0
     d.start_time[0] = t0
     integrate.start(m, d)
+    commands.forget(m, d)
+    commands.plan(m, d, 0.0)
 
     for i in range(1, m.n_body):
         if m.body_drive[i] < 0 and not joints.start(m, d, i):
@@ -58,12 +61,19 @@ def advance_time(d, h):
 
 @kernel
 def step(m, d, H):
-    """Advance the state by H (s). On failure it is that of the last accepted inner step. Returns a status."""
-    if m.n_x == 0:
-        advance_time(d, H)
-        return OK
+    """Advance the state, and the inputs by their derivatives and commands, by H (s). Returns a status.
 
-    failure, reached = integrate.advance(m, d, H)
+    On failure the state is that of the last accepted inner step.
+    """
+    commands.begin(m, d, H)
+    onward = integrate.inputs_go_on(m, d)
+    failure = OK
+    reached = H
+
+    if m.n_x > 0:
+        failure, reached = integrate.advance(m, d, H, onward)
+
+    commands.end(m, d, reached)
     advance_time(d, reached)
     return failure
 
@@ -74,6 +84,7 @@ def compute_outputs(m, d, y):
     failure = OK
     needs = m.output_needs
     rates.set_time(m, d, 0.0)
+    commands.plan(m, d, 0.0)
     drives.prescribe(m, d)
     tree.kinematics(m, d)
 

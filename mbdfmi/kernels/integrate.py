@@ -5,7 +5,7 @@ results do not depend on how a master sums its time. What a stepper remembers ac
 next, rates, a Jacobian) stands in the state: a restored run goes on to the same bits.
 """
 
-from . import control, drives, explicit, gauss, implicit
+from . import commands, control, explicit, gauss, implicit
 from .language import inlined, kernel
 from .project import keep_x, restore_x
 from .status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
@@ -41,7 +41,7 @@ def memory(integrator: str, n_x: int) -> tuple[int, int]:
     return rows.get(integrator, 0), int(implicit)
 
 
-@inlined
+@kernel
 def inputs_go_on(m, d):
     """Whether the inputs are those of the communication step before, and remember them. They must not vary in a step."""
     n = m.n_u
@@ -50,9 +50,13 @@ def inputs_go_on(m, d):
 
     for k in range(n):
         same = same and d.u_buffer[k] == d.u_before[k]
-        constant = constant and d.u_buffer[n + k] == 0.0 and d.u_buffer[2 * n + k] == 0.0
         d.u_before[k] = d.u_buffer[k]
 
+        for row in range(1, commands.N_DERIVATIVE):
+            constant = constant and d.u_buffer[row * n + k] == 0.0
+
+    d.u_varies[0] = 0.0 if constant else 1.0
+    constant = constant and commands.is_at_rest(m, d)
     d.u_known[0] = 1.0 if constant else 0.0
     return same and constant
 
@@ -165,10 +169,8 @@ def change_method(m, d):
 
 
 @kernel
-def advance(m, d, H):
-    """The state by H (s), with the inputs of the communication step. Returns (status, time reached within H)."""
-    onward = inputs_go_on(m, d)
-
+def advance(m, d, H, onward):
+    """The state by H (s); `onward`: inputs stay as they were. Returns (status, time reached within H)."""
     if not onward:
         control.forget(d)
 
@@ -186,5 +188,4 @@ def advance(m, d, H):
     if failure != OK:
         control.forget(d)
 
-    drives.advance_inputs(m, d, reached)
     return failure, reached

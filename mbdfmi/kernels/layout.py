@@ -42,6 +42,8 @@ COUNTS = (
     "n_table",  # piecewise polynomials
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
+    "n_command",  # numbers of their motion that inputs tell (commands.py)
+    "n_attitude",  # 1: inputs tell orientation and angular velocity of the ground
     "n_curve",
     "n_surface",
     "n_patch",  # bicubic pieces of surfaces
@@ -141,7 +143,12 @@ ARRAYS = (
     Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
     Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
-    Row("drive_at", "ints", 1, "n_drive", "first of its tables or inputs"),
+    Row("drive_at", "ints", 1, "n_drive", "first of its tables"),
+    Row("drive_command", "ints", 1, "n_drive", "first of its channels of commands, -1: none"),
+    Row("drive_commands", "ints", 1, "n_drive", "number of these; of the ground x, y, z, then those of its orientation"),
+    Row("drive_turn", "ints", 2, "n_drive", "what commands the ground's orientation (commands.py), first input of that"),
+    Row("command_u", "ints", 3, "n_command", "inputs that tell position, speed, acceleration, -1: not told"),
+    Row("command_angular", "ints", 1, "n_command", "1: an angle"),
     Row("curve_kind", "ints", 1, "n_curve", "see curves.py"),
     Row("curve_table", "ints", 1, "n_curve", "first of a spline's three tables"),
     Row("surface_kind", "ints", 1, "n_surface", "see surfaces.py"),
@@ -238,6 +245,18 @@ ARRAYS = (
     Row("radius", "state", 1, 1, "1/s, spectral radius of J"),
     Row("u_known", "state", 1, 1, "1: u_before holds"),
     Row("u_before", "state", 1, "n_u", "inputs of the communication step before"),
+    Row("command_known", "state", 1, 1, "how many commands before the present one are remembered, at most 4"),
+    Row("command_steps", "state", 4, 1, "s, lengths of the last communication steps, the latest first"),
+    Row("command_past", "state", 4, "n_command", "what was commanded last, of the highest derivative told"),
+    Row("command_error", "state", 4, "n_command", "by how much polynomials of order 0 to 3 missed the last command"),
+    Row("command_before", "state", 2, "n_command", "position and speed commanded last"),
+    Row("command_reached", "state", 2, "n_command", "position and speed at the end of the last step"),
+    Row("command_aim", "state", 2, "n_command", "where the input's own derivative led then, and by how much"),
+    Row("command_blind", "state", 1, "n_command", "steps since the first, when the speed was not known in that; 0: it was, or long ago"),
+    Row("command_carried", "state", 3, "n_command", "position, speed, acceleration that the commands led to at the end of the last step"),
+    Row("drive_doubt", "state", 2, "n_drive", "steps in a row whose commands contradict each other; 1: told"),
+    Row("attitude_past", "state", 4, "n_attitude", "orientation commanded last"),
+    Row("attitude_reached", "state", 7, "n_attitude", "orientation and angular velocity at the end of the last step"),
     Row("ahead", "state", 1, 1, "s, how far the integrator's front is ahead of the time reached"),
     Row("front", "state", 1, "n_x", "x there"),
     Row("rate_known", "state", 1, 1, "1: front_rate holds"),
@@ -259,6 +278,11 @@ ARRAYS = (
     Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
     Row("now", "work", 1, 1, "s, time of the evaluation"),
     Row("input", "work", 1, "n_u", "inputs now"),
+    Row("command_fresh", "work", 1, 1, "1: the commands of this communication step are new, not left to go on"),
+    Row("u_varies", "work", 1, 1, "1: inputs vary within the communication step"),
+    Row("command_course", "work", 8, "n_command", "commanded motion over the communication step: coefficients of s^0 to s^7"),
+    Row("command_settling", "work", 4, "n_command", "added to it: coefficients of s^0 to s^3"),
+    Row("attitude_base", "work", 4, "n_attitude", "orientation commanded at the start of the communication step"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
     Row("coordinate_effort", "work", 1, "n_coordinate", "effort along a coordinate that closes a loop"),
     Row("x_rate", "work", 1, "n_x", "x'; from n_q on the accelerations v'"),

@@ -2,19 +2,22 @@
 
 from numba.types import float64, int64
 
-from . import contacts, coordinates, drives, dynamics, forces, joints, tree
+from . import commands, contacts, coordinates, drives, dynamics, forces, joints, tree
 from .language import apart, inlined
 from .views import DATA, MODEL
 
 
 @inlined
 def set_time(m, d, s):
-    """Time and inputs at s (s) after the start of the communication step: u + u' s + u'' s^2 / 2."""
-    n = m.n_u
+    """Time and inputs at s (s) after the start of the communication step: u + u' s + u'' s^2 / 2 + ... by their derivatives."""
     d.now[0] = d.time[0] + s
 
-    for k in range(n):
-        d.input[k] = d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * d.u_buffer[2 * n + k])
+    if d.u_varies[0] == 0.0:
+        for k in range(m.n_u):
+            d.input[k] = d.u_buffer[k]
+    else:
+        for k in range(m.n_u):
+            d.input[k] = commands.polynomial(m, d, k, s)
 
 
 @apart(int64(MODEL, DATA, float64))

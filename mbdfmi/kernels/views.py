@@ -65,7 +65,7 @@ class ModelView(_View):
 class DataView(_View):
     """`d`: state, work and inputs. Buffers: ints (int64); state, work, u (float64), one-dimensional.
 
-    `u_buffer` holds the inputs' values, first and second derivatives, n_u each.
+    `u_buffer` holds the inputs' values, then their derivatives of order 1 to 5, n_u each.
     """
 
     _buffer_names = ("ints", "state", "work", "u")

@@ -4,7 +4,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from .errors import show
-from .fields import Flag, NotNegative, Number, Part, Positive, as_given, in_si
+from .fields import AllOrSome, NotNegative, Number, Part, Positive, as_given, in_si
 from .tables import AngleOverTime, EffortOverAngle, EffortOverPosition, PositionOverTime
 
 
@@ -161,8 +161,15 @@ class AngularHarmonic(Harmonic):
     mean_deg: Number | None = None
 
 
+COMMANDS = ("position", "speed", "acceleration")
+
+
 class Driver(Part):
-    """The motion of a joint, prescribed."""
+    """The motion of a joint, prescribed.
+
+    input : true, or what inputs tell of the motion: ["position"], ["position", "speed"], or all three, for which true stands.
+        What is not told is found from the last commands.
+    """
 
     @property
     def kind(self):
@@ -176,20 +183,40 @@ class Driver(Part):
         """The constant speed, m/s, rad/s."""
         return in_si(self, "constant_speed")
 
+    def commands(self):
+        """What inputs tell of the motion: the first one, two or all of "position", "speed" and "acceleration"."""
+        if self.input is True:
+            return COMMANDS
+        return tuple("position" if what == "angle" else what for what in self.input)
+
+    @field_validator("input", check_fields=False)
+    @classmethod
+    def _check_commands(cls, told):
+        if not told or told is True:
+            return told
+        what = ["position" if item == "angle" else item for item in told]
+        first = COMMANDS[: len(what)]
+        if sorted(what) != sorted(first):
+            raise ValueError(
+                'tells the position, or position and speed, or these and the acceleration: true, ["position", "speed"] '
+                f'or ["position"]; found {show(told)}'
+            )
+        return sorted(told, key=lambda item: COMMANDS.index("position" if item == "angle" else item))
+
 
 class LinearDriver(Driver):
-    """One of constant_speed : m/s; harmonic; table : position over time; input = true."""
+    """One of constant_speed : m/s; harmonic; table : position over time; input."""
 
     needed = (("constant_speed", "harmonic", "table", "input"),)
 
     constant_speed: Number | None = None
     harmonic: LinearHarmonic | None = None
     table: PositionOverTime | None = None
-    input: Flag | None = None
+    input: AllOrSome(*COMMANDS) | None = None
 
 
 class AngularDriver(Driver):
-    """One of constant_speed : rad/s, or _deg, _rpm; harmonic; table; input = true."""
+    """One of constant_speed : rad/s, or _deg, _rpm; harmonic; table; input, with "angle" or "position"."""
 
     needed = (
         (
@@ -203,4 +230,4 @@ class AngularDriver(Driver):
     constant_speed_rpm: Number | None = None
     harmonic: AngularHarmonic | None = None
     table: AngleOverTime | None = None
-    input: Flag | None = None
+    input: AllOrSome("angle", *COMMANDS) | None = None

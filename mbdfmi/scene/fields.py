@@ -1,7 +1,7 @@
 """What a scene's tables are made of: numbers, arrays, axes, choices, and the tables themselves."""
 
 import math
-from typing import Annotated, ClassVar, Union
+from typing import Annotated, ClassVar, Union, get_args
 
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Tag, ValidationError
@@ -200,6 +200,22 @@ def SomeOf(*options, bare=False):
         return chosen
 
     return Annotated[list[str], BeforeValidator(validate)]
+
+
+def AllOrSome(*options):
+    """The type of true, which stands for all of the options, or of a list of some of them, each at most once."""
+    check_list = get_args(SomeOf(*options))[1].func
+
+    def true_or_some(value):
+        if isinstance(value, bool):
+            return _flag(value)
+        if isinstance(value, str) or not isinstance(value, (list, tuple)):
+            raise ValueError(f"needs true or a list of {listed(options)}, found {show(value)}")
+        if not value:
+            raise ValueError(f"needs at least one of {listed(options)}; leave it out if none is wanted")
+        return check_list([item for item in value if _choice(item, options)])
+
+    return Annotated[bool | list[str], BeforeValidator(true_or_some)]
 
 
 # values in one of several units

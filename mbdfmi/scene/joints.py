@@ -70,6 +70,8 @@ class Driveable(JointBase):
             raise ValueError(f"{listed(self.input)} cannot act on a driven joint; drop the input")
         if self.driver.kind in ("harmonic", "table") and self.start_given:
             raise ValueError("the driver says where the joint starts and how fast; drop the start")
+        if self.driver.kind == "input" and self.holds_velocity and "speed" not in self.driver.commands():
+            raise ValueError('the driver is told the position alone; drop the speed of the start, or add "speed" to its input')
         if self.driver.kind == "constant_speed" and self.holds_velocity:
             raise ValueError("the driver says how fast the joint starts; drop that of the start")
         return self

@@ -3,13 +3,14 @@
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 from scipy.spatial.transform import Rotation as SpatialRotation
 
 from .fields import (
-    Axis, Boolean, Flag, NotZero, Number, Part, Positive, Vector, by_key, in_si, plane_axes,
+    AllOrSome, Axis, Boolean, NotZero, Number, Part, Positive, Vector, by_key, in_si, plane_axes,
     unit_vector,
 )
+from .errors import listed, quoted
 from .orientation import unit_euler_parameters
 from .tables import Ascending, MotionReading, Rows, Table, Vectors
 
@@ -162,12 +163,48 @@ class Tabulated(Part):
     table: PoseOverTime
 
 
+# what inputs may tell of the ground's motion, and what each needs beside it
+GROUND_COMMANDS = {
+    "position": (),
+    "velocity": ("position",),
+    "acceleration": ("velocity",),
+    "euler_parameters": (),
+    "zyx": (),
+    "omega": ("euler_parameters", "zyx"),
+    "alpha": ("omega",),
+}
+
+
 class FromInputs(Part):
-    """input = true: position, velocity, acceleration, euler_parameters, omega, alpha are inputs."""
+    """What inputs tell of the motion. input = true: position, velocity, acceleration, euler_parameters, omega, alpha.
+
+    input : true, or a list of these, or with zyx (yaw, pitch, roll in rad) in place of euler_parameters, as in
+        input = ["position", "zyx"]. What is not told is found from the last commands. speed stands for velocity.
+    """
 
     kind: ClassVar[str] = "input"
 
-    input: Flag
+    input: AllOrSome(*GROUND_COMMANDS, "speed")
+
+    @field_validator("input")
+    @classmethod
+    def _check_commands(cls, told):
+        if told is True:
+            return told
+        if "speed" in told and "velocity" in told:
+            raise ValueError('"speed" and "velocity" are one and the same; keep one of them')
+        told = ["velocity" if what == "speed" else what for what in told]
+        if "euler_parameters" in told and "zyx" in told:
+            raise ValueError('"euler_parameters" and "zyx" tell the same; keep one of them')
+        for what in told:
+            beside = GROUND_COMMANDS[what]
+            if beside and not set(beside) & set(told):
+                raise ValueError(f"{quoted(what)} needs {listed(beside, 'or')} beside it")
+        return told
+
+    def commands(self):
+        """What inputs tell, in the order of GROUND_COMMANDS."""
+        return [what for what in GROUND_COMMANDS if (what in self.input if self.input is not True else what != "zyx")]
 
 
 Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, Tabulated, FromInputs)

@@ -34,7 +34,7 @@ def steps_through(instance, pieces):
     rows = []
 
     for H, *u in pieces:
-        instance.u[:] = [*u, *[0.0] * (3 - len(u))]
+        instance.u[:] = [*u, *[0.0] * (6 - len(u))]
         instance.step(H)
         rows.append(instance.outputs().copy())
 
