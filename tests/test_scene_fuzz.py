@@ -666,9 +666,9 @@ MESSAGES = [
     (ARM, 'com     = [0, 0, -0.25]', 'com = [0, -0.25]', [
         '[body.upper] com: needs 3 numbers [x, y, z], found [0, -0.25]',
     ]),
-    (ARM, '[0.042, 0.042, 0.001]', '[0.042, 0.01, 0.001]', [
-        '[body.upper] inertia: no principal moment exceeds the sum of the other two on a '
-        'real body; the principal moments are [0.001, 0.01, 0.042]',
+    (ARM, '[0.042, 0.042, 0.001]', '[0.042, 0.01, -0.001]', [
+        '[body.upper] inertia: no principal moment is negative on a real body; the principal moments '
+        'are [-0.001, 0.01, 0.042]',
     ]),
     (ARM, '[0.042, 0.042, 0.001]', '[[1, 0, 0.1], [0, 1, 0], [0, 0, 1]]', [
         '[body.upper] inertia: the matrix is not symmetric',

@@ -3,9 +3,11 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..kernels import coordinates, entry
+from ..kernels import coordinates, entry, rates
 from ..kernels.commands import N_DERIVATIVE
+from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..kernels.views import DataView, ModelView
+from ..scene import Problem, SceneError
 from ..variables import dotted
 from ..vectors import dot
 
@@ -21,7 +23,10 @@ def start_motion(model):
     u[: model.n_u] = [v.start for v in model.of_causality("input")]
     d = DataView(ints=model.ints, state=state, work=work, u=u)
     entry.prepare(m, d)
-    entry.initialise(m, d, 0.0)
+
+    status = entry.initialise(m, d, 0.0)
+    _check_inertia(model, rates.evaluate(m, d, 0.0) if status == OK else status)
+
     entry.compute_outputs(m, d, np.zeros(model.n_y))
     r, rd, w = (array.reshape(-1, 3) for array in (d.r, d.rd, d.w))
     A = d.A.reshape(-1, 3, 3)
@@ -37,6 +42,12 @@ def start_motion(model):
         motion[body] = (q, v)
 
     return motion, _angles(model, m, d)
+
+
+def _check_inertia(model, told):
+    """Raises SceneError where a part's motion is not determined: absolute coordinates do not tell a hinge's from an idle turn."""
+    if told % 256 == SINGULAR_INERTIA:
+        raise SceneError([Problem((), MESSAGES[SINGULAR_INERTIA] % model.places[told // 256])])
 
 
 def _angles(model, m, d):

@@ -217,6 +217,17 @@ def sym_is_positive(F):
     return F[0] > 0.0 and F[1] > ROUNDING * yy and F[2] > ROUNDING * zz
 
 
+@inlined
+def sym_is_regular(S, F, size):
+    """True when S, with F = sym_factor(S), is positive definite beyond the rounding of numbers of `size`.
+
+    In some axes the pivots of a singular S are not near zero, for the rounding of a small one spoils those after it. Its smallest
+    eigenvalue is: about the determinant over the sum of the principal minors of order 2.
+    """
+    minors = S[0] * S[1] - S[3] * S[3] + S[0] * S[2] - S[4] * S[4] + S[1] * S[2] - S[5] * S[5]
+    return sym_is_positive(F) and F[0] * F[1] * F[2] > ROUNDING * size * minors
+
+
 # Euler parameters
 
 
@@ -390,6 +401,13 @@ def set_sym3(p, i, S):
     p[k + 3] = S[3]
     p[k + 4] = S[4]
     p[k + 5] = S[5]
+
+
+@inlined
+def add_to_diagonal(p, i, x):
+    """Symmetric matrix i of p plus x times the unit matrix."""
+    for k in range(6 * i, 6 * i + 3):
+        p[k] += x
 
 
 @inlined

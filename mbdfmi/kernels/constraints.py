@@ -53,40 +53,48 @@ def unwhiten(F, w):
 
 
 @inlined
-def pass_joint(m, d, row, r, i, at, coefficient):
-    """Take a row's wrench past joint i: its whitened response to d.reach from `at` on, the rest to the parent.
+def add_row_size(m, d, row, r, i):
+    """What the wrench on its way past joint i could move there if it met the axis, to row_size. r : m, where its force acts."""
+    kind = m.body_joint[i]
 
-    `coefficient` is the row's effort in the joint itself (couplings).
+    if d.held[i] == 0.0 and (kind == joints.REVOLUTE or kind == joints.PRISMATIC):
+        lever = al.sub(r, al.vec3(d.r, i))
+        effort = largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
+        d.row_size[row] += effort / d.D[6 * i]
+
+
+@inlined
+def pass_joint(m, d, p, i, at, coefficient):
+    """Take a wrench past joint i: its whitened response to p (d.reach, d.white) from `at` on, the rest to the parent.
+
+    `coefficient` is what comes with it as effort in the joint itself (couplings).
     """
     kind = m.body_joint[i]
 
     if d.held[i] > 0.0:
         for k in range(joints.n_v(kind)):
-            d.reach[at + k] = 0.0
+            p[at + k] = 0.0
 
     elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
         axis = al.vec3(d.axis, i)
         wrench = al.vec3(d.passed_moment, i) if kind == joints.REVOLUTE else al.vec3(d.passed_force, i)
         e = coefficient + al.dot(axis, wrench)
         D = d.D[6 * i]
-        d.reach[at] = e / math.sqrt(D)
-        lever = al.sub(r, al.vec3(d.r, i))
-        moment = al.vec3(d.passed_moment, i)
-        d.row_size[row] += largest_effort(kind, moment, al.vec3(d.passed_force, i), lever) / D
+        p[at] = e / math.sqrt(D)
         subtract_scaled(d, i, e / D, al.vec3(d.U_w, i), al.vec3(d.U_r, i))
 
     elif kind == joints.SPHERICAL:
         F = al.sym3(d.D, i)
         e3 = al.vec3(d.passed_moment, i)
-        al.set_vec_at(d.reach, at, whiten(F, e3))
+        al.set_vec_at(p, at, whiten(F, e3))
         al.set_vec3(d.passed_moment, i, al.ZERO3)
         al.add_vec3(d.passed_force, i, al.neg(al.matT_vec(al.mat3(d.H_a, i), al.sym_solve(F, e3))))
 
     else:
         force = al.vec3(d.passed_force, i)
         left = al.sub(al.vec3(d.passed_moment, i), al.mat_vec(al.mat3(d.N, i), force))
-        al.set_vec_at(d.reach, at, whiten(al.sym3(d.D_M, i), force))
-        al.set_vec_at(d.reach, at + 3, whiten(al.sym3(d.D, i), left))
+        al.set_vec_at(p, at, whiten(al.sym3(d.D_M, i), force))
+        al.set_vec_at(p, at + 3, whiten(al.sym3(d.D, i), left))
         return
 
     parent = m.body_parent[i]
@@ -156,7 +164,31 @@ def reach_rows(m, d, everything):
 
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
-                pass_joint(m, d, row, r, i, at + m.path_at[step], rows.effort_on(m, row, i))
+                add_row_size(m, d, row, r, i)
+                pass_joint(m, d, d.reach, i, at + m.path_at[step], rows.effort_on(m, row, i))
+
+
+@kernel
+def whiten_wrenches(m, d):
+    """Whitened efforts d.white of wrenches on all bodies (passed_moment, passed_force), which are gone then."""
+    for i in range(m.n_body - 1, 0, -1):
+        pass_joint(m, d, d.white, i, m.body_v[i], 0.0)
+
+
+@inlined
+def row_of_white(m, d, row):
+    """What whitened efforts d.white change in g''."""
+    c = m.row_constraint[row]
+    at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
+    total = 0.0
+
+    for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
+        i = m.path_node[step]
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            total += d.reach[at + m.path_at[step] + k] * d.white[m.body_v[i] + k]
+
+    return total
 
 
 @inlined
@@ -463,6 +495,12 @@ def gather_white(m, d):
     for v in range(m.n_v):
         d.white[v] = 0.0
 
+    add_white(m, d)
+
+
+@inlined
+def add_white(m, d):
+    """R^T lambda to d.white."""
     for row in range(m.n_row):
         c = m.row_constraint[row]
         at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]

@@ -2,10 +2,13 @@
 
 from numba.types import boolean, int64, void
 
-from . import constraints, embedding, rows, tree
+from . import constraints, embedding, massless, rows, tree, virtual
 from .language import apart, inlined, kernel
 from .status import OK
 from .views import DATA, MODEL
+
+# of what parts are lent, to see what they have
+LESS = 1e-3
 
 
 @inlined
@@ -59,6 +62,33 @@ def factor_rows_here(m, d, positional):
     return failure
 
 
+@kernel
+def lend_inertia(m, d):
+    """Parts without inertia of their own are lent some, all of them, if a joint has none to move but theirs; needs kinematics.
+
+    Which have is seen from what becomes of it when less is lent.
+    """
+    if not virtual.lend_to_all(m, d, 1.0):
+        return
+
+    tree.inertias(m, d)
+    failure = tree.aba(m, d)
+    tree.read_pivots(m, d, d.white)
+    virtual.lend_to_all(m, d, LESS)
+    tree.inertias(m, d)
+    failure = max(failure, tree.aba(m, d))
+    tree.read_pivots(m, d, d.change)
+    lacking = False
+
+    for v in range(m.n_v):
+        lacking = lacking or d.change[v] < 30.0 * LESS * d.white[v]
+
+    virtual.lend_to_all(m, d, 1.0)
+
+    if failure != OK or not lacking:
+        virtual.forget(m, d)
+
+
 @apart(int64(MODEL, DATA))
 def accelerate(m, d):
     """v' into d.x_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
@@ -67,16 +97,18 @@ def accelerate(m, d):
     """
     failure = embedding.forward(m, d) if m.embeds == 1 else tree.aba(m, d)
 
-    if failure != OK or m.n_row == 0:
+    if failure != OK:
         return failure
 
-    rows.write_rows(m, d)
-    reach_and_factor(m, d, False)
+    if m.n_row > 0:
+        rows.write_rows(m, d)
+        reach_and_factor(m, d, False)
 
-    # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
-    for row in range(m.n_row):
-        d.row_left[row] = -constraints.row_acceleration(m, d, row)
+        # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
+        for row in range(m.n_row):
+            d.row_left[row] = -constraints.row_acceleration(m, d, row)
 
-    correct(m, d)
-    constraints.add_changes(m, d)
-    return OK
+        correct(m, d)
+        constraints.add_changes(m, d)
+
+    return massless.give_back(m, d) if d.lends[0] > 0.0 else OK

@@ -7,28 +7,73 @@ articulated-body passes leave: x_rate, the bodies' accelerations, whitened respo
 import math
 
 from . import algebra as al
-from . import constraints, joints, markers, rows, tree
+from . import constraints, joints, markers, rows, tree, virtual
 from .language import inlined, kernel
-from .status import OK, SINGULAR_INERTIA, status
+from .status import OK
+
+# a body takes part in a motion when it moves at more than this part of the fastest
+MOVES = 1e-6
+
+# pivots that fall below this part of their diagonal elements are looked at more closely
+SUSPECT = 1e-6
 
 
 @kernel
 def factor(m, d):
-    """M = L L^T into d.mass_matrix (lower triangle, by rows). Held joints stand apart as if of unit inertia. Returns a status."""
+    """M = L L^T into d.mass_matrix (lower triangle, by rows). Held joints stand apart as if of unit inertia. Returns a status.
+
+    What moves without inertia is lent some (virtual.py).
+    """
     n = m.n_v
-    L = d.mass_matrix
-    tree.crba(m, d, L)
+    more = True
+    v = 0
+
+    while more:
+        tree.crba(m, d, d.mass_matrix)
+        more = lend_to_joints(m, d)
+
+        if more:
+            continue
+
+        set_held_apart(m, d)
+        v = cholesky(d.mass_matrix, n, d.change)
+
+        if v < 0:
+            return OK
+
+        if not d.mass_matrix[n * v + v] >= -al.ROUNDING:
+            return tree.no_inertia(d.mass_matrix[n * v + v], body_of(m, v))
+
+        more = lend_to_idle(m, d)
+
+    return tree.no_inertia(0.0, body_of(m, v))
+
+
+@inlined
+def set_held_apart(m, d):
+    """Rows and columns of held joints in the mass matrix to those of the unit matrix."""
+    n = m.n_v
+    M = d.mass_matrix
 
     for i in range(1, m.n_body):
         if d.held[i] > 0.0:
             for v in range(m.body_v[i], m.body_v[i] + joints.n_v(m.body_joint[i])):
                 for k in range(n):
-                    L[n * v + k] = 0.0
-                    L[n * k + v] = 0.0
+                    M[n * v + k] = 0.0
+                    M[n * k + v] = 0.0
 
-                L[n * v + v] = 1.0
+                M[n * v + v] = 1.0
 
+
+@inlined
+def cholesky(L, n, x):
+    """L of L L^T in place. Returns the first coordinate whose pivot is none, -1: all are good.
+
+    Such a pivot is left in its place, in parts of what there is along the motion x that it belongs to.
+    """
     for j in range(n):
+        diagonal = L[n * j + j]
+
         for k in range(j + 1):
             value = L[n * j + k]
 
@@ -37,12 +82,95 @@ def factor(m, d):
 
             if k < j:
                 L[n * j + k] = value / L[n * k + k]
-            elif value > 0.0:
+            elif value > SUSPECT * diagonal:
                 L[n * j + j] = math.sqrt(value)
             else:
-                return status(SINGULAR_INERTIA, body_of(m, j))
+                size = diagonal + idle_motion(L, n, j, x)
 
-    return OK
+                if not value > al.ROUNDING * size:
+                    L[n * j + j] = value / size if size > 0.0 else size
+                    return j
+
+                L[n * j + j] = math.sqrt(value)
+
+    return -1
+
+
+@kernel
+def idle_motion(L, n, v, x):
+    """The motion x with x_v = 1 whose inertia x . M x is the pivot of v: L^T x = 0 above v, nothing moves below.
+
+    Returns the inertia that the coordinates above v have in it each by itself: what the pivot is left of.
+    """
+    for k in range(n):
+        x[k] = -L[n * v + k] if k < v else 0.0
+
+    x[v] = 1.0
+    size = 0.0
+
+    for j in range(v - 1, -1, -1):
+        x[j] /= L[n * j + j]
+
+        for k in range(j):
+            x[k] -= L[n * j + k] * x[j]
+
+        for k in range(j + 1):
+            size += L[n * j + k] * L[n * j + k] * x[j] * x[j]
+
+    return size
+
+
+@kernel
+def lend_to_joints(m, d):
+    """Bodies on spherical and free joints that lack inertia, with all they carry, are lent some. True when there are such."""
+    found = False
+
+    for i in range(1, m.n_body):
+        kind = m.body_joint[i]
+
+        if d.held[i] > 0.0:
+            continue
+
+        if kind == joints.SPHERICAL:
+            I = al.sym3(d.I_a, i)
+            size = I[0] + I[1] + I[2]
+
+            if size >= 0.0 and not al.sym_is_regular(I, al.sym_factor(I), size):
+                found = virtual.lend(m, d, i, False) > 0.0 or found
+
+        elif kind == joints.FREE and not tree.free_factor(d, i):
+            found = tree.lend_to_free(m, d, i) or found
+
+    return found
+
+
+@kernel
+def lend_to_idle(m, d):
+    """Bodies that take part in the motion d.change, which has no inertia, are lent some. True when there are such.
+
+    Those that turn, if there are any; else those without mass that slide.
+    """
+    move_bodies(m, d)
+    mass, inertia = virtual.measure(m, d)
+    turned = 0.0
+    moved = 0.0
+
+    for i in range(1, m.n_body):
+        turned = max(turned, al.norm(al.vec3(d.change_alpha, i)))
+        moved = max(moved, al.norm(al.vec3(d.change_rdd, i)))
+
+    turns = turned * math.sqrt(inertia / mass) > MOVES * moved
+    found = False
+
+    for i in range(1, m.n_body):
+        if turns:
+            if al.norm(al.vec3(d.change_alpha, i)) > MOVES * turned:
+                found = virtual.lend(m, d, i, False) > 0.0 or found
+
+        elif d.body_m[i] == 0.0 and al.norm(al.vec3(d.change_rdd, i)) > MOVES * moved:
+            found = virtual.lend(m, d, i, True) > 0.0 or found
+
+    return found
 
 
 @inlined
@@ -90,6 +218,10 @@ def forward(m, d):
     for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
             d.x_rate[m.n_q + m.body_v[i] + k] = 0.0
+
+    if d.lends[0] > 0.0:
+        tree.accelerations(m, d)
+        virtual.add_bias(m, d)
 
     tree.rnea(m, d, d.change)
 
@@ -174,12 +306,36 @@ def reach_rows(m, d, everything):
 
 
 @kernel
+def whiten_wrenches(m, d):
+    """Whitened efforts d.white of wrenches on all bodies (passed_moment, passed_force), which are gone then."""
+    for i in range(m.n_body - 1, 0, -1):
+        moment = al.vec3(d.passed_moment, i)
+        force = al.vec3(d.passed_force, i)
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            S_w, S_r = joints.subspace(m, d, i, k)
+            effort = al.dot(S_w, moment) + al.dot(S_r, force)
+            d.white[m.body_v[i] + k] = effort if d.held[i] == 0.0 else 0.0
+
+        al.add_vec3(d.passed_moment, m.body_parent[i], al.add(moment, al.cross(al.vec3(d.arm, i), force)))
+        al.add_vec3(d.passed_force, m.body_parent[i], force)
+
+    solve_lower(d.mass_matrix, m.n_v, d.white, 0)
+
+
+@kernel
 def respond(m, d):
     """Changes of v' by the whitened efforts d.white, and those of the bodies' accelerations."""
     for v in range(m.n_v):
         d.change[v] = d.white[v]
 
     solve_upper(d.mass_matrix, m.n_v, d.change)
+    move_bodies(m, d)
+
+
+@kernel
+def move_bodies(m, d):
+    """The bodies' accelerations change_alpha and change_rdd by the velocity coordinates' d.change."""
     al.set_vec3(d.change_alpha, 0, al.ZERO3)
     al.set_vec3(d.change_rdd, 0, al.ZERO3)
 

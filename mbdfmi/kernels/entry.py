@@ -20,6 +20,7 @@ from . import (
     reactions,
     rows,
     tree,
+    virtual,
 )
 from .language import inlined, kernel
 from .prepare import prepare
@@ -37,6 +38,7 @@ def initialise(m, d, t0):
     integrate.start(m, d)
     commands.forget(m, d)
     commands.plan(m, d, 0.0)
+    virtual.forget(m, d)
 
     for i in range(1, m.n_body):
         if m.body_drive[i] < 0 and not joints.start(m, d, i):

@@ -274,6 +274,10 @@ ARRAYS = (
     Row("added_H", "state", 9, "n_linear", "added inertia, moment from acceleration"),
     Row("added_M", "state", 6, "n_linear", "added mass, force from acceleration"),
     Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
+    Row("lends", "state", 1, 1, "1: there are bodies that are lent virtual inertia (virtual.py)"),
+    Row("lent_mass", "state", 1, "n_body", "kg"),
+    Row("lent_inertia", "state", 1, "n_body", "kg m2, about the origin"),
+    Row("lent_known", "state", 1, "n_body", "1: known that what else there is determines how it moves"),
     # work: time, inputs and rates
     Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
     Row("now", "work", 1, 1, "s, time of the evaluation"),
@@ -345,6 +349,16 @@ ARRAYS = (
     Row("change", "work", 1, "n_v", "response in velocity coordinates"),
     Row("change_alpha", "work", 3, "n_body", "response of the nodes"),
     Row("change_rdd", "work", 3, "n_body", ""),
+    # work: wrenches about the origins of bodies that are lent inertia, and accelerations (massless.py)
+    Row("left_moment", "work", 3, "n_body", "what is left of the wrench that the lent inertia must not take"),
+    Row("left_force", "work", 3, "n_body", ""),
+    Row("push_moment", "work", 3, "n_body", "wrench of the search direction"),
+    Row("push_force", "work", 3, "n_body", ""),
+    Row("push_alpha", "work", 3, "n_body", "what it makes of the accelerations"),
+    Row("push_rdd", "work", 3, "n_body", ""),
+    Row("given_moment", "work", 3, "n_body", "wrench given back so far"),
+    Row("given_force", "work", 3, "n_body", ""),
+    Row("multiplier_kept", "work", 1, "n_row", "multipliers before what is given back"),
     # work: steppers
     Row("evaluation_limit", "work", 1, 1, "evaluations since the start at which the communication step has cost too much"),
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),

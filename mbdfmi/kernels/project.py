@@ -229,6 +229,9 @@ def assemble(m, d):
     """
     drives.prescribe(m, d)
     unit_E(m, d)
+    hold(m, d, 4)
+    tree.kinematics(m, d)
+    dynamics.lend_inertia(m, d)
 
     if m.n_row == 0:
         return OK

@@ -49,7 +49,7 @@ MESSAGES = {
     STEP_TOO_SMALL: "the inner step became too small to go on; the motion is singular or too stiff for this "
     "integrator",
     SINGULAR_INERTIA: "the inertia about the joint of %s is zero or negative: some mass or inertia it carries "
-    "must be positive",
+    "must be positive, or what closes its loop, couples or drives it must determine how it moves",
     BAD_MASS: "the mass of %s is negative",
     BAD_START_ORIENTATION: "the start orientation of %s has Euler parameters of zero length",
     BAD_SOLVER_SETTING: "solver.step is not positive",

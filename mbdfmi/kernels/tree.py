@@ -10,7 +10,7 @@ articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S moti
 Indices: i body, parent its parent.
 """
 
-from . import added_mass, joints
+from . import added_mass, joints, virtual
 from . import algebra as al
 from .language import inlined, kernel
 from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
@@ -140,6 +140,9 @@ def start_articulated(m, d):
         al.set_mat3(d.H_a, i, H)
         al.set_sym3(d.M_a, i, M)
 
+    if d.lends[0] > 0.0:
+        virtual.add(m, d)
+
 
 @inlined
 def free_factor(d, i):
@@ -161,7 +164,32 @@ def free_factor(d, i):
     al.set_sym3(d.D_M, i, F_M)
     al.set_mat3(d.N, i, N)
     al.set_sym3(d.D, i, F_I)
-    return left and al.sym_is_positive(F_M) and al.sym_is_positive(F_I)
+    return left and al.sym_is_positive(F_M) and al.sym_is_regular(reduced, F_I, I[0] + I[1] + I[2])
+
+
+@kernel
+def lend_to_free(m, d, i):
+    """What a body on a free joint lacks of mass and inertia is lent to it. True when free_factor finds enough then."""
+    M = al.sym3(d.M_a, i)
+
+    if not al.sym_is_positive(al.sym_factor(M)) and M[0] + M[1] + M[2] >= 0.0:
+        virtual.lend(m, d, i, True)
+
+        if free_factor(d, i):
+            return True
+
+    I = al.sym3(d.I_a, i)
+
+    if I[0] + I[1] + I[2] >= 0.0:
+        virtual.lend(m, d, i, False)
+
+    return free_factor(d, i)
+
+
+@inlined
+def lacks(D, most):
+    """Whether D is nothing but rounding of numbers of the size of `most`: no inertia, but no negative one either."""
+    return abs(D) <= 100.0 * al.ROUNDING * most
 
 
 @inlined
@@ -220,7 +248,19 @@ def aba(m, d):
                 most = M[0] + M[1] + M[2]
 
             if not D > al.ROUNDING * most:
-                return no_inertia(d.I_a[6 * i], i)
+                more = virtual.lend(m, d, i, kind == joints.PRISMATIC) if lacks(D, most) else 0.0
+
+                if more == 0.0:
+                    return no_inertia(d.I_a[6 * i], i)
+
+                D += more
+                I = al.sym3(d.I_a, i)
+                M = al.sym3(d.M_a, i)
+
+                if kind == joints.REVOLUTE:
+                    U_w = al.axpy(more, axis, U_w)
+                else:
+                    U_r = al.axpy(more, axis, U_r)
 
             al.set_vec3(d.U_w, i, U_w)
             al.set_vec3(d.U_r, i, U_r)
@@ -246,9 +286,17 @@ def aba(m, d):
             torque = al.mat_vec(al.mat3(d.A, i), al.vec_at(d.tau, v))
             effort3 = al.sub(torque, moment)
             F = al.sym_factor(I)
+            size = I[0] + I[1] + I[2]
 
-            if not al.sym_is_positive(F):
-                return no_inertia(I[0] + I[1] + I[2], i)
+            if not al.sym_is_regular(I, F, size):
+                if not (size >= 0.0 and virtual.lend(m, d, i, False) > 0.0):
+                    return no_inertia(size, i)
+
+                I = al.sym3(d.I_a, i)
+                F = al.sym_factor(I)
+
+                if not al.sym_is_positive(F):
+                    return no_inertia(size, i)
 
             al.set_sym3(d.D, i, F)
             al.set_vec3(d.effort, i, effort3)
@@ -270,7 +318,7 @@ def aba(m, d):
             al.set_vec3(d.U_w, i, al.sub(torque, moment))
             al.set_vec3(d.U_r, i, al.sub(push, force))
 
-            if not free_factor(d, i):
+            if not free_factor(d, i) and not lend_to_free(m, d, i):
                 return no_inertia(d.I_a[6 * i], i)
 
             if parent > 0:
@@ -323,6 +371,18 @@ def aba(m, d):
         al.set_vec3(d.rdd, i, rdd)
 
     return OK
+
+
+@kernel
+def read_pivots(m, d, p):
+    """The pivots of the joints' inertias that aba has left, to p[n_v]; 1 where joints are held."""
+    for i in range(1, m.n_body):
+        kind = m.body_joint[i]
+
+        for k in range(joints.n_v(kind)):
+            slides = kind == joints.FREE and k < 3
+            pivot = d.D_M[6 * i + k] if slides else d.D[6 * i + k % 3]
+            p[m.body_v[i] + k] = 1.0 if d.held[i] > 0.0 else pivot
 
 
 @kernel

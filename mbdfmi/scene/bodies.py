@@ -44,14 +44,15 @@ def _inertia(inertia):
         raise ValueError("the matrix is not symmetric")
 
     moments = np.linalg.eigvalsh(inertia_matrix(inertia))
-    found = "the principal moments are [" + ", ".join(f"{m:.6g}" for m in moments) + "]"
     if moments[0] < -1e-9 * largest:
+        found = principal_moments(moments)
         raise ValueError(f"no principal moment is negative on a real body; {found}")
-    if moments[0] + moments[1] < moments[2] * (1 - ROUNDING):
-        raise ValueError(
-            "no principal moment exceeds the sum of the other two on a real body; " + found
-        )
     return inertia
+
+
+def principal_moments(moments):
+    """Moments (3,) in words."""
+    return "the principal moments are [" + ", ".join(f"{m:.6g}" for m in moments) + "]"
 
 
 Inertia = Annotated[
@@ -115,8 +116,8 @@ def _as_list(value):
 class Massive(Part):
     """Mass, centre of mass and inertia, or solids.
 
-    mass : kg. 0, without inertia, makes a mere frame: it must carry other bodies, or hang on driven joints, as an end
-        frame whose motion is prescribed does.
+    mass : kg. 0, without inertia, makes a mere frame: it must carry other bodies, or the joints, couplings and drivers around
+        it must determine how it moves, as those of a pulley, of a rod between two ball joints, or of a driven end frame do.
     com : centre of mass (3,) in m in the body's own frame.
     inertia : kg m2 about the centre of mass; entries of the tensor, so ixy = I[0][1]. Of a point mass [0, 0, 0], or
         solid = { point = { mass = 1 } }.

@@ -7,6 +7,9 @@ initialisation ends. Of what the compiler or the kernels do with a scene: `Build
 
 from math import hypot, pi
 
+import numpy as np
+
+from .bodies import ROUNDING, inertia_matrix, principal_moments
 from .errors import Problem, show
 from .fields import Part
 
@@ -50,7 +53,20 @@ def coarse_tolerance(scene):
         yield Problem(("solver", "absolute_tolerance"), text)
 
 
-RULES = (far_angles, far_sizes, coarse_tolerance)
+def inertia_of_no_body(scene):
+    """Moments of inertia that no distribution of mass has, as those identified from motions of robots may be."""
+    for name, body in scene.body.items():
+        if body.inertia is None:
+            continue
+
+        moments = np.linalg.eigvalsh(inertia_matrix(body.inertia))
+
+        if moments[0] + moments[1] < moments[2] * (1 - ROUNDING):
+            text = "no principal moment exceeds the sum of the other two on a real body; it is taken as it is: "
+            yield Problem(("body", name, "inertia"), text + principal_moments(moments))
+
+
+RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body)
 
 
 def notices(scene):
