@@ -325,7 +325,7 @@ def test_categories(new):
 
 
 def test_unknown_reference(arm):
-    for value in (42, 2**31, 2**32 - 1):
+    for value in (len(arm.library.variables), 2**31, 2**32 - 1):
         assert arm.get(value)[0] == arm.set({value: 1.0}) == ERROR
         assert arm.set_derivatives(value, 1, 0.0) == ERROR
         assert all(f"unknown value reference {value}" in message for _, _, message in arm.log[-3:])
