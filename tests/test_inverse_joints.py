@@ -339,6 +339,28 @@ def test_hybrid_lets_the_rest_of_an_arm_swing():
     assert_near(found["a.torque"], run["a.effort"], 1e-6)
 
 
+@pytest.mark.parametrize("told", [False, True])
+def test_formulations_agree(told):
+    """A link on a ball, behind a told hinge: hanging freely, or told as well; its joint written from its own side."""
+    link = {"mass": 1.0, "com": [0.3, 0, 0], "inertia": ALL_AXES, "marker": {"e": {"position": [0.6, 0, 0]}}}
+    joint = {
+        "a": {"revolute": {"axis": "y"}, "between": ["ground", "one"]},
+        "b": {"spherical": {}, "between": ["two", "one.e"], "start": {"omega": [0.1, 0.2, 0.3]}, "output": ["zyx"]},
+    }
+    motion = {"a.angle": lambda t: np.sin(2 * t)} | ({"b.zyx": lambda t: [t, 2 * t, -t]} if told else {})
+    found = []
+
+    for formulation in ("recursive", "embedding", "augmented"):
+        scene = Scene(name="p", body={"one": link, "two": link}, joint=joint, solver={"formulation": formulation})
+        found.append(scene.inverse(motion, np.linspace(0, 0.2, 5)))
+
+    for other in found[1:]:
+        assert list(other) == list(found[0])
+
+        for name in other:
+            assert_near(other[name], found[0][name], 1e-10)
+
+
 # tables and messages
 
 
