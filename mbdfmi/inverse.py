@@ -82,9 +82,9 @@ def inverse(
 
     Returns Results: "<joint>.torque" (N m) or "<joint>.force" (N) of each joint driven, then its
     motion and all outputs of the scene. A universal joint has "torques" about its axes, a free one
-    "force" and "moment" on its second marker, about its origin and in the first one's axes. Raises
-    ValueError where the motion does not fit the scene, SimulationError where the loops cannot
-    follow it.
+    "force" and "moment" on its second marker, about its origin and in the first one's axes. Powers
+    among the outputs are those of all else. Raises ValueError where the motion does not fit the
+    scene, SimulationError where the loops cannot follow it.
     """
     if isinstance(motion, (str, Path)):
         motion = read_motion(motion)
