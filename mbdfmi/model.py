@@ -41,7 +41,8 @@ class Model:
     ints, reals : structure (int64) and default parameters (float64), flat.
     n_state, n_work, n_u, n_y : lengths of an instance's buffers and of its inputs and outputs.
     variables : inputs, outputs, parameters, in that order.
-    places : names that a kernel's status can point to: the nodes of the tree, then the constraints.
+    places : names that a kernel's status can point to: the nodes of the tree, then the constraints, whose starts would help to close
+        each of these, and names of other things.
     tree : nodes, and where the bodies are in them.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     guid : hash of all that a simulation depends on.
@@ -147,6 +148,13 @@ def _assemble(builder):
     for table in builder.tables.values():
         values |= {name: np.concatenate(column) for name, column in table.columns.items()}
 
+    places = [node.name for node in builder.nodes] + builder.constraint_names + builder.loop_hints
+    values["scene_length"] = _scene_length(builder, values)
+
+    for name in ("told_place", "stop_place"):
+        values[name] = np.asarray(values.get(name, ())) + len(places)
+
+    places += builder.names
     values["body_added"] = _bodies_with_added_mass(values, len(builder.nodes))
     offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
 
@@ -157,7 +165,6 @@ def _assemble(builder):
             buffers[row.buffer][offset[row.name] : offset[row.name] + size] = np.ravel(values[row.name])
 
     variables = builder.list_variables(offset)
-    places = [node.name for node in builder.nodes] + builder.constraint_names
     model = Model(
         scene=scene,
         name=scene.name,
@@ -177,6 +184,14 @@ def _assemble(builder):
         notices=scene.notices + [str(notice) for notice in builder.notices],
     )
     return replace(model, guid=_guid(model))
+
+
+def _scene_length(builder, values):
+    """m, size of the parts: mean distance of markers, and of joints on their parents, from their nodes' origins."""
+    arms = np.reshape(np.concatenate([values["marker_r"], values["body_r"]]), (-1, 3))
+    lengths = np.linalg.norm(arms, axis=1)
+    lengths = lengths[lengths > 0.0]
+    return lengths.mean() if lengths.size else 1.0
 
 
 def _bodies_with_added_mass(values, n_body):

@@ -26,8 +26,6 @@ ZERO = 1e-6
 # how far (rad, or parts of the scene's length) the places near the start are
 NEARBY = (0.1, 0.23)
 
-GAP_ALLOWED = 1e-9  # m, rad
-
 DRIVEABLE = ("revolute", "prismatic")
 
 
@@ -307,7 +305,7 @@ class Mechanism:
             v = motions @ np.cos(1.7 * np.arange(motions.shape[1]) + k + 0.3)
             self._move(step * self.units * v / np.abs(v).max())
 
-            if project.project_positions(self.m, self.d, GAP_ALLOWED) == OK:
+            if project.close_gaps(self.m, self.d, self.m.closing_tolerance[0], 0.0) == OK:
                 places.append(self.here())
 
             self.d.x[:] = start

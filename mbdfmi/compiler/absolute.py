@@ -81,4 +81,6 @@ def add_absolute_starts(builder, motion):
             ("omega", "v_start", builder.v[i] + 3, v[3:], "rad/s"),
         ):
             about = f"{quantity.replace('_', ' ')} of the moving part of {name} at the start, its frame in the ground's axes"
-            builder.add_parameters(dotted(name, f"{quantity}_start"), array, at, values, unit, about, "fixed")
+            builder.add_start(dotted(name, f"{quantity}_start"), array, at, values, unit, about, i)
+
+        builder.add_zyx(dotted(name, "zyx_start"), f"the moving part of {name}", i, q[3:])

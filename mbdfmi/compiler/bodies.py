@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels import outputs, rows
-from ..kernels.joints import KINDS
+from ..kernels.joints import KINDS, N_V
 from ..variables import dotted
 
 MARKER_OUTPUTS = {
@@ -75,6 +75,7 @@ def add_settings(builder):
         "tolerance": solver.tolerance,
         "absolute_tolerance": solver.absolute_tolerance,
         "max_step": solver.max_step or 1e30,
+        "closing_tolerance": solver.closing_tolerance,
     }
 
     if central := builder.scene.central_gravity:
@@ -123,11 +124,15 @@ def add_bodies(builder):
             body_q=builder.q[i],
             body_v=builder.v[i],
             body_reversed=node.reversed,
-            body_given=_given(builder, node),
+            body_spins=_spins(builder, node),
             body_drive=builder.drive_of.get(i, -1),
             body_r=r,
             body_A=A,
+            zyx_start=np.zeros(3),
+            zyx_told=np.zeros(3),
         )
+
+    builder.single["v_given"] = given_coordinates(builder)
 
     for name, body in builder.scene.body.items():
         mass, com, inertia = body.mass_properties()
@@ -143,13 +148,27 @@ def add_bodies(builder):
         builder.add_parameters(dotted(name, "inertia"), "solid_inertia", row, inertia, "kg.m2", about)
 
 
-def _given(builder, node):
-    """1 where the user gave a start position of the node's joint, 2 a velocity, 3 both."""
-    if not node.joint:
-        return 0
+def _spins(builder, node):
+    """Whether the start of the node's joint tells its angular velocity in the second marker's axes."""
+    return int(bool(node.joint) and "_body" in builder.scene.joint[node.joint].given_velocity())
 
-    joint = builder.scene.joint[node.joint]
-    return int(joint.holds_position) + 2 * int(joint.holds_velocity)
+
+def given_coordinates(builder):
+    """For each velocity coordinate 1 where the user gave its start position, 2 its start velocity, 3 both, else 0."""
+    given = np.zeros(builder.n_v)
+
+    for i, node in enumerate(builder.nodes):
+        if not node.joint or i in builder.drive_of:
+            continue
+
+        joint = builder.scene.joint[node.joint]
+        n = N_V[KINDS[node.kind]]
+
+        for weight, written in ((1, joint.given_position()), (2, joint.given_velocity())):
+            for k in range(n):
+                given[builder.v[i] + k] += weight * (written[node.coordinate + k] is not None)
+
+    return given
 
 
 def add_markers(builder):

@@ -1,6 +1,9 @@
 """What the parts of a scene are collected into while they become a model."""
 
+import warnings
+
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..kernels import coordinates, layout, outputs, tables
 from ..kernels.joints import KINDS, N_Q, N_V
@@ -38,6 +41,10 @@ class Builder:
     joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
     notices : what a user should be told of what was made of the scene.
+    names : what messages call other things than nodes and constraints.
+    starts : (array, index) of a start value that is a parameter -> its node.
+    restricted : nodes whose positions, and whose velocities, follow from others by constraints.
+    loop_hints : for each constraint, whose starts would help where it cannot be closed.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
@@ -60,6 +67,10 @@ class Builder:
         self.drive_of = {}
         self.driven_cuts = {}
         self.notices = []
+        self.names = []
+        self.starts = {}
+        self.restricted = set(), set()
+        self.loop_hints = []
         self.reactions = []
         self.torque_inputs = {}
         self._markers = {}
@@ -88,6 +99,11 @@ class Builder:
     def notice(self, path, text):
         """Something that a user should be told: path of keys into the scene, as of a `Problem`, and what was done there."""
         self.notices.append(Problem(path, text))
+
+    def name(self, text):
+        """Index of a name in `names`."""
+        self.names.append(text)
+        return len(self.names) - 1
 
     # structure
 
@@ -226,12 +242,51 @@ class Builder:
             place = (array, row * layout.ROW[array].width + offset + k)
             self.parameters.append((name + ending, variability, float(value), units[k], description, place))
 
+    def add_start(self, name, array, row, values, unit, description, node):
+        """Start values of a node's joint as parameters; `starts` remembers what they are of."""
+        self.add_parameters(name, array, row, values, unit, description, "fixed")
+
+        for k in range(np.size(values)):
+            self.starts[array, row + k] = node
+
+    def add_zyx(self, variable, name, node, E):
+        """Yaw, pitch, roll as another way to start an orientation."""
+        with warnings.catch_warnings(action="ignore"):  # at a pitch of 90 deg yaw and roll are one
+            values = Rotation.from_quat(E).as_euler("ZYX")
+
+        about = f"yaw, pitch, roll of {name} at the start; they count instead of the Euler parameters once they are changed"
+        columns = self.tables["n_body"].columns
+        columns["zyx_start"][node] = columns["zyx_told"][node] = values
+        self.add_parameters(variable, "zyx_start", node, values, "rad", about, "fixed")
+
+        for k in range(3):
+            self.starts["zyx_start", 3 * node + k] = node
+
+    def _guess(self, array, k):
+        """Whether a start value is but a guess: what it starts follows from others, and the user did not give it."""
+        node = self.starts.get((array, k))
+
+        if node is None or node not in self.restricted[array == "v_start"]:
+            return False
+
+        given = self.single["v_given"]
+        weight = 2 if array == "v_start" else 1
+
+        if array == "v_start":
+            return not int(given[k]) & weight
+
+        first = self.v[node]
+        component = k - self.q[node] if array == "q_start" else 3
+        component = component if self.nodes[node].kind == "free" else 0
+        return not int(given[first + min(component, 3)]) & weight
+
     def list_variables(self, offset):
         """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
         inputs = [Variable(*fields) for fields, _, _ in self.inputs]
         first = len(inputs) + len(self.outputs)
+        guess = ", a guess: joints in loops and couplings lead it elsewhere"
         parameters = [
-            Variable(name, "parameter", variability, start, unit, about, offset[array] + k)
+            Variable(name, "parameter", variability, start, unit, about + guess * self._guess(array, k), offset[array] + k)
             for name, variability, start, unit, about, (array, k) in self.parameters
         ]
         island = self._islands()

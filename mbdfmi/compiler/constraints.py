@@ -55,6 +55,49 @@ def add_constraints(builder):
         c["name"]: k for k, c in enumerate(constraints) if c["rows"][0][0] != rows.COUPLING
     }
     _add_tables(builder, constraints, [path[k] for k in order], meets)
+    builder.loop_hints = [_hint(builder, c) for c in constraints]
+    about = "largest gap of a closed loop, m and rad"
+    builder.add_parameters("solver.closing_tolerance", "closing_tolerance", 0, builder.scene.solver.closing_tolerance, None, about)
+
+    for c in constraints:
+        of_velocity = all(kind == rows.KNIFE for kind, _, _ in c["rows"])
+        nodes = _involved(builder, c)
+        builder.restricted[0].update(set() if of_velocity or c.get("at_start") else nodes)
+        builder.restricted[1].update(nodes)
+
+
+def _involved(builder, constraint):
+    """Nodes whose joints a constraint is about: those between its ends, and joints that it couples."""
+    nodes = set()
+    columns = builder.tables["n_coordinate"].columns
+    sides = [constraint["markers"][:2], constraint["markers"][2:]]
+    coupled = constraint["rows"][0][0] == rows.COUPLING
+
+    for side, markers in enumerate(sides):
+        k = constraint["rows"][0][1 + side] if coupled else -1
+
+        if k >= 0 and columns["coordinate_body"][k][0] > 0:
+            nodes.add(int(columns["coordinate_body"][k][0]))
+        elif markers[0] >= 0:
+            a, b = (set(_way(builder, builder.marker_node(marker))) for marker in markers)
+            nodes |= a ^ b
+
+    return nodes - set(builder.drive_of)
+
+
+def _way(builder, i):
+    """Node i and those between it and the ground."""
+    while i > 0:
+        yield i
+        i = builder.nodes[i].parent
+
+
+def _hint(builder, constraint):
+    """Whose starts matter to a constraint that cannot be closed: those that are not given, if there are."""
+    names = dict.fromkeys(builder.nodes[i].joint for i in sorted(_involved(builder, constraint)) if builder.nodes[i].joint)
+    names = names or dict.fromkeys(builder.tree.cuts)
+    free = [name for name in names if not builder.scene.joint[name].holds_position]
+    return f"of {', '.join(free or names)}" if names else "none of its joints can move"
 
 
 def _joint_constraint(builder, name):
@@ -215,6 +258,7 @@ def _add_tables(builder, constraints, paths, meets):
                 row_value=constraint["value"],
                 row_offset=constraint["offset"],
                 row_drive=constraint["drive"],
+                row_at_start=constraint.get("at_start", False),
             )
             reach += width
             row += 1

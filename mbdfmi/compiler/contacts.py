@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
-from ..kernels import contacts, curves, outputs, surfaces, tables
+from ..kernels import contacts, curves, notes, outputs, surfaces, tables
 from ..scene import Problem, SceneError
 from ..variables import dotted
 from ..vectors import dot
@@ -41,6 +41,10 @@ def _add_contact(builder, name, joint):
             about = f"parameter of {name} at the start"
             variable = dotted(name, "s_start") + ending
             builder.add_parameters(variable, "s_start", first + k, value, unit, about, "fixed")
+            builder.tables["n_told"].add(
+                told_kind=notes.PARAMETER, told_at=first + k, told_to=-1, told_component=0, told_unit=1.0,
+                told_place=builder.name(f"the parameter s{ending} of {name}"), told_value=np.zeros(4),
+            )  # fmt: skip
 
     return builder.tables["n_contact"].add(
         contact_kind=contacts.KINDS[joint.kind],

@@ -5,7 +5,6 @@ import numpy as np
 from ..kernels import commands, drives, outputs, rows
 from ..variables import dotted
 from .joints import COORDINATES
-from .start import start_coordinate
 
 # of the ground: (size, unit, what it is)
 GROUND_INPUTS = {
@@ -183,13 +182,9 @@ def coupling_constraints(builder):
     for name, coupling in builder.scene.coupling.items():
         first, second = coupling.between
         pair = [builder.coordinate(first), builder.coordinate(second)]
-        offset = coupling.offset
-
-        if offset is None:
-            start = [start_coordinate(builder, joint) for joint in (first, second)]
-            offset = start[1] - coupling.ratio * start[0]
-
-        constraints.append(_coordinate_row(builder, name, pair, (coupling.ratio, -1.0), offset))
+        at_start = coupling.offset is None
+        row = _coordinate_row(builder, name, pair, (coupling.ratio, -1.0), coupling.offset or 0.0)
+        constraints.append(row | {"at_start": at_start})
 
     for name, joint in builder.scene.joint.items():
         if joint.kind == "screw":

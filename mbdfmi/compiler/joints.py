@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from ..kernels import outputs
+from ..kernels import notes, outputs
+from ..scene.starts import ENDINGS
 from ..variables import dotted
 from .contacts import add_contact_outputs
 from .elastic import elastic_table
+from .start import driven_position
 
 # what the scalar coordinates of a joint are: names of a coordinate and its rate, its unit; several of one name are an array
 COORDINATES = {
@@ -58,6 +60,9 @@ def add_joints(builder):
         if name in builder.joint_nodes:
             _add_start(builder, name, joint)
 
+        if not joint.driver:
+            _tell_start(builder, name, joint)
+
         parts = {}
 
         if joint.spring or joint.damper:
@@ -76,6 +81,7 @@ def add_joints(builder):
 def _add_start(builder, name, joint):
     """Start values as parameters; a screw's position follows from its angle."""
     q, v = joint.start_position(), joint.start_velocity()
+    q = np.array([driven_position(joint)]) if joint.driver else q
     nodes = builder.joint_nodes[name]
 
     if joint.kind in POSES:
@@ -94,7 +100,7 @@ def _add_start(builder, name, joint):
         same = [j for j, (other, _, _) in enumerate(names) if other == position]
         ending = f"[{same.index(k) + 1}]" if len(same) > 1 else ""
 
-        if joint.kind == "screw" and k == 0:
+        if joint.driver or (joint.kind == "screw" and k == 0):
             continue
 
         for quantity, array, at, value, unit in (
@@ -103,7 +109,7 @@ def _add_start(builder, name, joint):
         ):
             variable = dotted(name, f"{quantity}_start") + ending
             about = f"{quantity.replace('_', ' ')} of {name} at the start"
-            builder.add_parameters(variable, array, at, value, unit, about, "fixed")
+            builder.add_start(variable, array, at, value, unit, about, i)
 
 
 def _add_pose_start(builder, name, joint, i, q, v):
@@ -114,9 +120,94 @@ def _add_pose_start(builder, name, joint, i, q, v):
         for quantity, unit, size in quantities:
             about = f"{POSE_OUTPUTS[quantity][2].rstrip(',')} of {name} at the start"
             variable = dotted(name, f"{quantity}_start")
-            builder.add_parameters(variable, array, at, values[:size], unit, about, "fixed")
+            builder.add_start(variable, array, at, values[:size], unit, about, i)
+
+            if quantity == "euler_parameters":
+                builder.add_zyx(dotted(name, "zyx_start"), name, i, values[:size])
+
             values = values[size:]
             at += size
+
+
+TOLD = {
+    "position": (notes.PLACE, notes.MARKER_PLACE),
+    "orientation": (notes.ORIENTATION, notes.MARKER_ORIENTATION),
+    "velocity": (notes.VELOCITY, notes.MARKER_VELOCITY),
+    "omega": (notes.OMEGA, notes.MARKER_OMEGA),
+}
+
+
+def _tell_start(builder, name, joint):
+    """What was given of the start, so that it can be told where it is not kept."""
+    if joint.kind in POSES:
+        _tell_pose(builder, name, joint)
+        return
+
+    names = COORDINATES.get(joint.kind, [])
+    groups = ((0, joint.given_position(), joint.start_position()), (1, joint.given_velocity(), joint.start_velocity()))
+
+    for which, written, values in groups:
+        for k, ending in enumerate(written):
+            if ending is None or (joint.kind == "screw" and k == 0):
+                continue
+
+            value = values[0 if joint.kind == "screw" else k]
+            same = [j for j, other in enumerate(names) if other[which] == names[k][which]]
+            quantity = names[k][which] + (f"[{same.index(k) + 1}]" if len(same) > 1 else "")
+            place = _told_name(builder, quantity, name, ending)
+
+            if name in builder.joint_nodes:
+                kind, at = (notes.POSITION, notes.SPEED)[which], builder.joint_nodes[name][k]
+            else:
+                kind, at = (notes.COORDINATE, notes.RATE)[which], builder.coordinate(name, k)
+
+            _add_told(builder, kind, at, 0, place, ENDINGS[ending], value)
+
+
+def _tell_pose(builder, name, joint):
+    """The same of a spherical or free joint."""
+    in_tree = name in builder.joint_nodes
+    ends = [builder.marker(end) for end in joint.between]
+    q, v = joint.start_position(), joint.start_velocity()
+    A = joint.start.rotation()
+
+    for quantities, written, values in zip(POSES[joint.kind], (joint.given_position(), joint.given_velocity()), (q, v)):
+        for k, ending in enumerate(written):
+            turns = k >= len(written) - 3
+            quantity = quantities[-1 if turns else 0][0].replace("euler_parameters", "orientation")
+
+            # an orientation is told as a whole
+            if ending is None or (quantity == "orientation" and k > len(written) - 3):
+                continue
+
+            kind = TOLD[quantity][not in_tree]
+            value = values[-4:] if quantity == "orientation" else values[k]
+            unit = ENDINGS["_deg"] if quantity == "orientation" else 1.0
+
+            if quantity == "omega" and ending == "_body":
+                value = A.inv().apply(v[-3:])[k % 3]
+                kind = kind if in_tree else notes.MARKER_OMEGA_BODY
+
+            text = quantity if quantity == "orientation" else f"{quantity}[{k % 3 + 1}]"
+            place = _told_name(builder, text, name, "")
+            at = builder.joint_nodes[name][0] if in_tree else ends[0]
+            _add_told(builder, kind, at, k % 3, place, unit, value, -1 if in_tree else ends[1])
+
+
+def _told_name(builder, quantity, joint, ending):
+    """Index of what a message calls a start value."""
+    unit = {"_deg": " in deg", "_rpm": " in rpm"}.get(ending, "")
+    unit = " in deg/s" if ending == "_deg" and "speed" in quantity else unit
+    return builder.name(f"the {quantity.replace('_', ' ')} of {joint}{unit}")
+
+
+def _add_told(builder, kind, at, component, place, unit, value, to=-1):
+    """One row of the start values that are told when they cannot be kept; `value`: SI, of an orientation E."""
+    values = np.zeros(4)
+    values[: np.size(value)] = value
+    builder.tables["n_told"].add(
+        told_kind=kind, told_at=at, told_to=to, told_component=component, told_place=place, told_unit=unit, told_value=values
+    )
 
 
 def _add_spring(builder, name, joint):
@@ -186,6 +277,7 @@ def _add_stop(builder, name, joint):
     unit = COORDINATES[joint.kind][0][2]
     effort = "N.m" if unit == "rad" else "N"
     stop = joint.stop
+    in_degrees = any(key.endswith("_deg") for key in stop.model_fields_set)
     values = {
         "lower": (stop.lower_value(), unit, "lower end"),
         "upper": (stop.upper_value(), unit, "upper end"),
@@ -193,7 +285,10 @@ def _add_stop(builder, name, joint):
         "damping": (stop.damping, f"{effort}.s/{unit}", "damping while in touch"),
     }
     row = builder.tables["n_stop"].add(
-        stop_coordinate=builder.coordinate(name), **{f"stop_{key}": value for key, (value, _, _) in values.items()}
+        stop_coordinate=builder.coordinate(name),
+        stop_place=builder.name(f"{name}{' (in deg)' if in_degrees else ''}"),
+        stop_unit=ENDINGS["_deg"] if in_degrees else 1.0,
+        **{f"stop_{key}": value for key, (value, _, _) in values.items()},
     )
 
     for key, (value, unit, about) in values.items():

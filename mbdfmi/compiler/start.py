@@ -26,12 +26,19 @@ def start_pose(builder, end):
     return pose
 
 
-def start_coordinate(builder, joint):
-    """The first scalar coordinate of a joint at the start (rad or m), as far as start values tell."""
-    if joint in builder.joint_nodes:
-        return builder.single["q_start"][builder.q[builder.joint_nodes[joint][0]]]
+def driven_position(joint):
+    """Where a driver holds its joint at time 0 (rad or m); where it follows from the start or an input, as that says."""
+    driver = joint.driver
 
-    return float(builder.scene.joint[joint].start_position()[0])
+    if driver.kind == "harmonic":
+        wave = driver.harmonic
+        return wave.mean_value() + wave.amplitude_value() * np.sin(wave.phase_value())
+
+    if driver.kind == "table":
+        time, values = driver.table.points()
+        return float(curve(driver.table.interpolation, time, values)(np.clip(0.0, time[0], time[-1])))
+
+    return float(joint.start_position()[0])
 
 
 def coupled_angles(scene):

@@ -319,6 +319,21 @@ def matrix_E(A):
 
 
 @inlined
+def column(A, k):
+    """Column k of a matrix."""
+    return (A[0][k], A[1][k], A[2][k])
+
+
+@inlined
+def zyx_E(angles):
+    """Euler parameters of Rz(yaw) Ry(pitch) Rx(roll), angles (yaw, pitch, roll) in rad."""
+    z = (0.0, 0.0, math.sin(0.5 * angles[0]), math.cos(0.5 * angles[0]))
+    y = (0.0, math.sin(0.5 * angles[1]), 0.0, math.cos(0.5 * angles[1]))
+    x = (math.sin(0.5 * angles[2]), 0.0, 0.0, math.cos(0.5 * angles[2]))
+    return E_product(E_product(z, y), x)
+
+
+@inlined
 def matrix_zyx(A):
     """(yaw, pitch, roll) in rad of A = Rz(yaw) Ry(pitch) Rx(roll); finite at pitch = +-90 degrees.
 

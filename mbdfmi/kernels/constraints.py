@@ -19,6 +19,9 @@ from .language import inlined, kernel
 # by how much the stages of a step are off the constraints
 DROP = 1e-9
 
+# likewise in loops that repeat themselves not quite exactly, as with axes 1e-5 rad off
+LOOSE_DROP = 1e-7
+
 # ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
 NOISE = 1e-14
 
@@ -251,8 +254,11 @@ def row_reference(m, d, row):
     """What a row's pivot is to be judged by.
 
     Its own diagonal element, unless its wrenches miss the axes of joints that they could meet: then what they could do there, but
-    not more than the largest of its kind in the same constraint does.
+    not more than the largest of its kind in the same constraint does; that too where loops repeat themselves not quite exactly.
     """
+    if d.loose[0] > 0.0:
+        return max(d.row_diagonal[row], d.row_size[row])
+
     return min(largest_of_kind(m, d, row), max(d.row_diagonal[row], d.row_size[row]))
 
 
@@ -345,6 +351,22 @@ def factor_row(m, d, c, i):
 
 
 @kernel
+def raise_diagonal(m, d):
+    """Levenberg's damping: a part of the largest diagonal element among rows of a kind to those of all."""
+    for row in range(m.n_row):
+        d.pivot[row] = d.row_diagonal[row]
+
+    for row in range(m.n_row):
+        size = 0.0
+
+        for other in range(m.n_row):
+            if m.row_kind[other] == m.row_kind[row]:
+                size = max(size, d.pivot[other])
+
+        d.row_diagonal[row] += d.damping[0] * size
+
+
+@kernel
 def factor_rows(m, d, positional):
     """L D L^T of R R^T, in blocks of constraints that meet (fill included).
 
@@ -352,21 +374,27 @@ def factor_rows(m, d, positional):
     rows that are about velocities alone. A row that follows only from such rows is then not redundant.
     """
     everything = all_matter(m, positional)
+    least = LOOSE_DROP if d.loose[0] > 0.0 else DROP
 
     for row in range(m.n_row):
         d.row_diagonal[row] = 0.0 if is_idle(d, row, everything) else product(m, d, row, row)
+
+    if d.damping[0] > 0.0:
+        raise_diagonal(m, d)
 
     for c in range(m.n_constraint):
         for i in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + i
             d.pivot[row] = 0.0
 
-            if is_idle(d, row, everything) or (positional and rows.is_of_velocity(m, row)):
+            silent = rows.is_of_velocity(m, row) or d.row_settles[row] > 0.0
+
+            if is_idle(d, row, everything) or (positional and silent):
                 continue
 
             pivot = factor_row(m, d, c, i)
 
-            if pivot > DROP * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
+            if pivot > least * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
                 d.pivot[row] = 1.0 / pivot
 
 

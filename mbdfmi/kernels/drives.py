@@ -48,6 +48,16 @@ def target(m, d, k):
 
 
 @inlined
+def moves_joints(m):
+    """Whether a joint's motion is prescribed."""
+    for k in range(m.n_drive):
+        if m.drive_kind[k] < GROUND_ACCELERATION:
+            return True
+
+    return False
+
+
+@inlined
 def table_vector(m, k, t):
     """Value, slope and second slope of the three tables from k on."""
     x = tables.evaluate(m, k, t)

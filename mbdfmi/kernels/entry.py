@@ -8,14 +8,15 @@ import math
 from numba import types
 
 from . import (
+    assembly,
     commands,
     drives,
     dynamics,
     forces,
     integrate,
     joints,
+    notes,
     outputs,
-    project,
     rates,
     reactions,
     rows,
@@ -44,12 +45,13 @@ def initialise(m, d, t0):
         if m.body_drive[i] < 0 and not joints.start(m, d, i):
             return status(BAD_START_ORIENTATION, i)
 
-    for row in range(m.n_row):
-        d.row_redundant[row] = 0.0
+    failure = assembly.assemble(m, d)
 
-    failure = project.assemble(m, d)
-    project.hold(m, d, 4)
-    return failure
+    if failure != OK:
+        return notes.tell_open(m, d, failure)
+
+    notes.tell_of_start(m, d)
+    return OK
 
 
 @inlined
@@ -104,9 +106,11 @@ def compute_outputs(m, d, y):
 
     outputs.write_outputs(m, d, y)
 
+    n_place = m.n_body + 2 * m.n_constraint + m.n_told + m.n_stop
+
     for k in range(m.n_y):
         if failure == OK and not math.isfinite(y[k]):
-            failure = status(OUTPUT_NOT_FINITE, m.n_body + m.n_constraint + k)
+            failure = status(OUTPUT_NOT_FINITE, n_place + k)
 
     return failure
 

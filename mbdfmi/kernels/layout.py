@@ -49,6 +49,7 @@ COUNTS = (
     "n_patch",  # bicubic pieces of surfaces
     "n_contact",  # joints of end frames on curves and surfaces
     "n_s",  # their parameters
+    "n_told",  # start values that the user gave
     "n_reaction",  # joints whose reactions go out
     "n_output",  # blocks of outputs
     "n_u",  # scalar inputs
@@ -81,7 +82,8 @@ ARRAYS = (
     Row("body_v", "ints", 1, "n_body", "first velocity coordinate"),
     Row("body_added", "ints", 1, "n_body", "1: carries added mass"),
     Row("body_reversed", "ints", 1, "n_body", "1: the joint's first marker is on this body, not the parent"),
-    Row("body_given", "ints", 1, "n_body", "1: start position given, 2: start velocity given, 3: both"),
+    Row("body_spins", "ints", 1, "n_body", "1: the start's angular velocity is kept in the second marker's axes, not the first's"),
+    Row("v_given", "ints", 1, "n_v", "1: start position given, 2: start velocity given, 3: both"),
     Row("body_drive", "ints", 1, "n_body", "drive of its joint, -1: none"),
     Row("solid_body", "ints", 1, "n_solid", "node"),
     Row("marker_body", "ints", 1, "n_marker", "node"),
@@ -133,6 +135,7 @@ ARRAYS = (
     Row("row_i", "ints", 1, "n_row", "axis of the first marker, or first coordinate"),
     Row("row_j", "ints", 1, "n_row", "axis of the second marker, or second coordinate, -1: none"),
     Row("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
+    Row("row_at_start", "ints", 1, "n_row", "1: a coupling's offset is that of the start"),
     Row("constraint_meet", "ints", 1, "n_constraint", "first of the constraints before it that it meets"),
     Row("constraint_meets", "ints", 1, "n_constraint", "number of these"),
     Row("constraint_block", "ints", 1, "n_constraint", "its diagonal block in the factor, by rows"),
@@ -162,6 +165,12 @@ ARRAYS = (
     Row("contact_to", "ints", 1, "n_contact", "curve of the second marker"),
     Row("contact_s", "ints", 1, "n_contact", "first parameter"),
     Row("contact_given", "ints", 1, "n_contact", "1: start values of the parameters are given"),
+    Row("told_kind", "ints", 1, "n_told", "see notes.py"),
+    Row("told_at", "ints", 1, "n_told", "node, coordinate or parameter that it is about"),
+    Row("told_to", "ints", 1, "n_told", "second marker, of a joint that closes a loop"),
+    Row("told_component", "ints", 1, "n_told", "which of the joint's coordinates"),
+    Row("told_place", "ints", 1, "n_told", "what a message calls it"),
+    Row("stop_place", "ints", 1, "n_stop", "what a message calls its joint"),
     Row("reaction_from", "ints", 1, "n_reaction", "first marker, whose axes it is told in"),
     Row("reaction_to", "ints", 1, "n_reaction", "second marker, which it acts on"),
     Row("reaction_body", "ints", 1, "n_reaction", "node on the joint's far side, -1: it closes a loop"),
@@ -183,6 +192,8 @@ ARRAYS = (
     Row("solid_inertia", "reals", 6, "n_solid", "kg m2 about the centre of mass, user's body axes (symmetric)"),
     Row("q_start", "reals", 1, "n_q", "position coordinates as the user gave them"),
     Row("v_start", "reals", 1, "n_v", "velocity coordinates as the user gave them"),
+    Row("zyx_start", "reals", 3, "n_body", "rad, yaw, pitch, roll of an orientation: it counts where it is not zyx_told"),
+    Row("closing_tolerance", "reals", 1, 1, "m, rad, largest gap of a closed loop"),
     Row("joint_stiffness", "reals", 1, "n_joint_spring", "N m/rad or N/m"),
     Row("joint_rest", "reals", 1, "n_joint_spring", "rad or m, where its energy is zero"),
     Row("joint_damping", "reals", 1, "n_joint_spring", "N m s/rad or N s/m"),
@@ -211,6 +222,11 @@ ARRAYS = (
     Row("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
     Row("turn_start", "reals", 1, "n_turn", "rad, near which the angle starts"),
     # constants
+    Row("zyx_told", "reals", 3, "n_body", "rad, yaw, pitch, roll of the start as the scene has it"),
+    Row("told_value", "reals", 4, "n_told", "what was given where the joint closes a loop; of an orientation E"),
+    Row("told_unit", "reals", 1, "n_told", "factor from SI units to those that it is told in"),
+    Row("stop_unit", "reals", 1, "n_stop", "likewise"),
+    Row("scene_length", "reals", 1, 1, "m, size of the parts"),
     Row("knot_x", "reals", 1, "n_knot", "argument of a table"),
     Row("knot_c", "reals", 6, "n_knot", "polynomial to the next knot, from here: 1, s, ..., s^5"),
     Row("knot_area", "reals", 1, "n_knot", "integral of the table from its first knot to here"),
@@ -278,6 +294,9 @@ ARRAYS = (
     Row("lent_mass", "state", 1, "n_body", "kg"),
     Row("lent_inertia", "state", 1, "n_body", "kg m2, about the origin"),
     Row("lent_known", "state", 1, "n_body", "1: known that what else there is determines how it moves"),
+    Row("row_rest", "state", 1, "n_row", "position residual that is none: a coupling's offset, a gap left at the start"),
+    Row("row_side", "state", 1, "n_row", "1 or -1: side of its plane on which something rolls"),
+    Row("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
     Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
     Row("now", "work", 1, 1, "s, time of the evaluation"),
@@ -301,6 +320,13 @@ ARRAYS = (
     Row("bias_w", "work", 3, "n_body", "rad/s2, angular acceleration relative to the parent's at v' = 0"),
     Row("bias_r", "work", 3, "n_body", "m/s2, likewise of the origin, beyond a_parent + alpha_parent x arm"),
     Row("held", "work", 1, "n_body", "1: the joint's acceleration is given, not found"),
+    Row("kept", "work", 1, "n_v", "1: assembly keeps the start value"),
+    Row("weighs", "work", 1, 1, "1: weights count"),
+    Row("weight", "work", 1, "n_v", "kg, kg m2, added to the inertia in a joint by assembly"),
+    Row("in_loop", "work", 1, "n_body", "1: the joint is part of a loop that is not just couplings"),
+    Row("damping", "work", 1, 1, "part by which the diagonal of C M^-1 C^T is raised by assembly"),
+    Row("least_gap", "work", 1, 1, "m, rad, of the attempts to assemble"),
+    Row("stuck", "work", 1, "n_body", "1: cannot move at the start, 2: nor nearby"),
     # work: inertia and forces of the nodes
     Row("h", "work", 3, "n_body", "kg m, mass times centre of mass from the origin"),
     Row("I", "work", 6, "n_body", "inertia of the node: rotational block"),
@@ -335,6 +361,8 @@ ARRAYS = (
     Row("row_gap", "work", 1, "n_row", "position residual g"),
     Row("row_rate", "work", 1, "n_row", "velocity residual g'"),
     Row("row_bias", "work", 1, "n_row", "g'' at zero accelerations of the bodies"),
+    Row("row_settles", "work", 1, "n_row", "1: a coupling whose offset is still to be found"),
+    Row("row_taken", "work", 1, "n_row", "gap that a loop not quite exact was found to have"),
     Row("row_size", "work", 1, "n_row", "what its wrenches could move if they met the axes of the joints"),
     Row("row_diagonal", "work", 1, "n_row", "diagonal of C M^-1 C^T"),
     Row("multiplier", "work", 1, "n_row", "lambda: the row's wrenches times it act on the bodies"),

@@ -5,7 +5,7 @@ import math
 from numba.types import float64, int64
 
 from . import algebra as al
-from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
+from . import constraints, contacts, coordinates, drives, dynamics, holding, joints, rows, tree
 from .language import apart, inlined, kernel
 from .rates import is_finite
 from .status import LOOP_OPEN, NOT_FINITE, OK, status
@@ -17,8 +17,16 @@ MAX_ITERATIONS = 50
 ROUNDING = 1e-15
 STALLED = 0.5
 
-# what may be left then: rows dropped near a singular position cannot be corrected, and need not be
-GAP_ALLOWED = 1e-9
+# likewise at the start, which may be far off
+MAX_AT_START = 400
+MOST_STALLED = 25
+
+# iterations that may be damped, and down to which part of the scene's length
+MOST_DAMPED = 60
+DAMPED = 0.02
+
+# gap (m, rad) of a loop that repeats itself not quite exactly, in a run, and up to which a start is taken for such a loop
+GAP_MOST = 1e-3
 
 
 @kernel
@@ -94,44 +102,124 @@ def see_rows(m, d):
     rows.write_rows(m, d)
 
 
-@apart(int64(MODEL, DATA, float64))
-def project_positions(m, d, gap_allowed):
-    """Newton's method to the nearest positions (in the mass metric) where all gaps close. Returns a status.
+@inlined
+def gap_left(m, d, starting, first):
+    """Largest gap among the rows; of loops that repeat themselves not quite exactly without the rows left out.
 
-    `gap_allowed` (m, rad): what may be left when the gaps no longer shrink. Leaves rows and a factor of (nearly) the
-    positions found, in any case at least one of this call.
+    At the start these are the ones that the last factor, if not this is the `first`, has dropped.
     """
-    gap_before = math.inf
+    size = 0.0
 
-    for iteration in range(MAX_ITERATIONS):
+    for row in range(m.n_row):
+        gap = abs(d.row_gap[row])
+        left_out = (d.pivot[row] == 0.0 and not first) if starting else d.row_redundant[row] == 1.0
+        left_out = left_out and d.loose[0] > 0.0 and gap <= GAP_MOST
+
+        if not (left_out or gap <= size):
+            size = gap if gap < math.inf else math.inf
+
+    return size
+
+
+@inlined
+def step_size(m, d, starting):
+    """How far (rad, m) d.change goes; when `starting`, rotations of joints in loops, and how far anything goes beside the scene."""
+    if not starting:
+        return largest(d.change, m.n_v)
+
+    size = 0.0
+
+    for i in range(1, m.n_body):
+        for k in range(joints.n_v(m.body_joint[i])):
+            change = abs(d.change[m.body_v[i] + k])
+            slides = holding.slides(m, i, k)
+            change *= 0.1 / m.scene_length[0] if slides else d.in_loop[i]
+
+            if not change <= size:
+                size = change if change < math.inf else math.inf
+
+    return size
+
+
+@apart(int64(MODEL, DATA, float64, float64))
+def close_gaps(m, d, gap_allowed, stride):
+    """Newton's method to the nearest positions (in the metric of the inertia) where all gaps close. Returns a status.
+
+    gap_allowed : m, rad, what may be left when the gaps no longer shrink.
+    stride : rad, how far a step may turn joints at the start; 0 in a run, which is never far from the constraints.
+
+    Leaves rows and a factor of (nearly) the positions found, in any case at least one of this call.
+    """
+    starting = stride > 0.0
+    limit = stride if starting else 0.5
+    gap_before = math.inf
+    least = math.inf
+    stalled = 0
+
+    for iteration in range(MAX_AT_START if starting else MAX_ITERATIONS):
         d.evaluation_limit[0] -= 1.0
         see_rows(m, d)
-        gap = largest(d.row_gap, m.n_row)
+        gap = gap_left(m, d, starting, iteration == 0)
         done = gap <= ROUNDING or (gap > STALLED * gap_before and gap <= gap_allowed)
 
         if done and iteration > 0:
             return OK
 
+        # near the constraints and in a run nothing is damped
+        damping = d.damping[0]
+        damps = starting and iteration < MOST_DAMPED and gap > DAMPED * m.scene_length[0]
+        d.damping[0] = damping if damps else 0.0
         failure = dynamics.factor_rows_here(m, d, True)
+        d.damping[0] = damping
 
         if failure != OK or done:
             return failure
+
+        stalled = 0 if gap < 0.9 * least else stalled + 1
+        least = min(least, gap)
+
+        if stalled > MOST_STALLED:
+            break
 
         for row in range(m.n_row):
             d.row_left[row] = -d.row_gap[row]
 
         dynamics.correct(m, d)
-        size = largest(d.change, m.n_v)
+        size = step_size(m, d, starting)
 
         if not size < math.inf:
             break
 
         # far from the constraints full steps may overshoot
-        move_by_change(m, d, 1.0 if size < 0.5 else 0.5 / size)
+        move_by_change(m, d, 1.0 if size < limit else limit / size)
         gap_before = gap
 
     see_rows(m, d)
     return status(LOOP_OPEN, m.n_body + worst_constraint(m, d))
+
+
+@inlined
+def project_positions(m, d, gap_allowed):
+    """`close_gaps` of a run."""
+    return close_gaps(m, d, gap_allowed, 0.0)
+
+
+@kernel
+def gap_of(m, d, c, taken):
+    """A constraint's gap: (vector in m, inertial axes; angle in rad); with `taken` the one that a loop not quite exact is left."""
+    span = al.ZERO3
+    turned = 0.0
+
+    for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+        gap = d.row_taken[row] if taken else d.row_gap[row]
+        u = al.vec3(d.row_force_to, row)
+
+        if al.dot(u, u) > 0.0:
+            span = al.axpy(gap, u, span)
+        else:
+            turned += gap * gap
+
+    return span, math.sqrt(turned)
 
 
 @inlined
@@ -155,6 +243,24 @@ def project_velocities(m, d):
         d.x[m.n_q + v] += d.change[v]
 
 
+@inlined
+def exchange_rows(m, d):
+    """Redundant rows take the place of weak ones; where loops repeat themselves not quite exactly, from where they are."""
+    if d.loose[0] == 0.0:
+        dynamics.exchange_rows(m, d)
+        return
+
+    for row in range(m.n_row):
+        d.row_left[row] = d.row_redundant[row]
+
+    dynamics.exchange_rows(m, d)
+
+    for row in range(m.n_row):
+        if d.row_left[row] == 1.0 and d.row_redundant[row] == 0.0:
+            d.row_rest[row] += d.row_gap[row]
+            d.row_gap[row] = 0.0
+
+
 @apart(int64(MODEL, DATA))
 def project(m, d):
     """After an accepted inner step: E to unit length, positions, then velocities onto the constraints. Returns a status.
@@ -166,25 +272,17 @@ def project(m, d):
     failure = OK
 
     if m.n_row > 0:
-        failure = project_positions(m, d, GAP_ALLOWED)
+        failure = project_positions(m, d, m.closing_tolerance[0])
 
         if failure == OK:
             factor_for_velocities(m, d)
-            dynamics.exchange_rows(m, d)
+            exchange_rows(m, d)
             project_velocities(m, d)
 
     if failure == OK and not is_finite(d, m.n_x):
         failure = status(NOT_FINITE, 0)
 
     return failure
-
-
-@inlined
-def hold(m, d, what):
-    """Joints with a drive are held, and those whose start values are given for `what` (1 position, 2 velocity)."""
-    for i in range(1, m.n_body):
-        given = (m.body_given[i] // what) % 2 == 1
-        d.held[i] = 1.0 if given or m.body_drive[i] >= 0 or m.body_joint[i] == joints.FIXED else 0.0
 
 
 @inlined
@@ -199,110 +297,3 @@ def restore_x(m, d):
     """Back to the x kept last."""
     for k in range(m.n_x):
         d.x[k] = d.x_before[k]
-
-
-@kernel
-def close_loops(m, d, what):
-    """Positions onto the constraints, with joints held as `hold` says. Returns a status.
-
-    First to where contacts have their given parameters; where that cannot be, these are near which to begin.
-    """
-    hold(m, d, what)
-    aimed = contacts.aim(m, d)
-    failure = project_positions(m, d, GAP_ALLOWED)
-
-    if aimed:
-        if failure != OK:
-            restore_x(m, d)
-
-        contacts.release(m, d)
-        failure = project_positions(m, d, GAP_ALLOWED)
-
-    return failure
-
-
-@apart(int64(MODEL, DATA))
-def assemble(m, d):
-    """Close the loops from approximate start values in d.x, then make the velocities fit. Returns a status.
-
-    Start values that the user gave are kept where the loops can close so; only where they cannot does everything move.
-    """
-    drives.prescribe(m, d)
-    unit_E(m, d)
-    hold(m, d, 4)
-    tree.kinematics(m, d)
-    dynamics.lend_inertia(m, d)
-
-    if m.n_row == 0:
-        return OK
-
-    rows.start_turns(m, d)
-    tree.kinematics(m, d)
-    contacts.start(m, d)
-
-    keep_x(m, d)
-
-    failure = close_loops(m, d, 1)
-
-    if failure != OK:
-        restore_x(m, d)
-        failure = close_loops(m, d, 4)
-
-    if failure != OK:
-        return failure
-
-    speed = 1.0 + largest(d.x, m.n_x)
-
-    for what in (2, 4):
-        hold(m, d, what)
-        failure = dynamics.factor_rows_here(m, d, False)
-
-        if failure != OK:
-            return failure
-
-        project_velocities(m, d)
-        tree.kinematics(m, d)
-        rows.write_rows(m, d)
-
-        if largest(d.row_rate, m.n_row) <= 1e-9 * speed:
-            break
-
-    find_redundant(m, d)
-    return OK
-
-
-@kernel
-def find_redundant(m, d):
-    """Mark rows that follow from others not just here but in every position: they are dropped at a position nearby too.
-
-    Keeps d.x. Nearby: a little way along an allowed motion in which every joint takes part.
-    """
-    keep_x(m, d)
-
-    hold(m, d, 4)
-
-    for i in range(1, m.n_body):
-        for v in range(m.body_v[i], m.body_v[i] + joints.n_v(m.body_joint[i])):
-            d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3) if d.held[i] == 0.0 else 0.0
-
-    tree.kinematics(m, d)
-    rows.write_rows(m, d)
-
-    if dynamics.factor_rows_here(m, d, False) == OK:
-        project_velocities(m, d)
-        size = largest(d.x, m.n_x)
-
-        for v in range(m.n_v):
-            d.change[v] = d.x[m.n_q + v]
-
-        move_by_change(m, d, 0.1 / (1.0 + size))
-
-        if project_positions(m, d, GAP_ALLOWED) == OK:
-            factor_for_velocities(m, d)
-
-            for row in range(m.n_row):
-                d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
-
-            dynamics.exchange_rows(m, d)
-
-    restore_x(m, d)

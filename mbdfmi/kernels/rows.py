@@ -30,12 +30,6 @@ def is_of_velocity(m, row):
 
 
 @inlined
-def column(A, k):
-    """Column k of a matrix."""
-    return (A[0][k], A[1][k], A[2][k])
-
-
-@inlined
 def set_row(d, row, moment_a, force_a, moment_b, force_b):
     """Store a row's wrenches."""
     al.set_vec3(d.row_moment_from, row, moment_a)
@@ -46,8 +40,8 @@ def set_row(d, row, moment_a, force_a, moment_b, force_b):
 
 @inlined
 def set_residuals(d, row, gap, rate, bias):
-    """Store a row's residuals."""
-    d.row_gap[row] = gap
+    """Store a row's residuals, the position's from where it rests."""
+    d.row_gap[row] = gap - d.row_rest[row]
     d.row_rate[row] = rate
     d.row_bias[row] = bias
 
@@ -68,12 +62,12 @@ def centripetal(w, lever):
 def axis_of(A, k):
     """Column k of a rotation matrix, by a choice that is not an index."""
     if k == 0:
-        return column(A, 0)
+        return al.column(A, 0)
 
     if k == 1:
-        return column(A, 1)
+        return al.column(A, 1)
 
-    return column(A, 2)
+    return al.column(A, 2)
 
 
 @inlined
@@ -81,15 +75,15 @@ def rolling_contact(kind, radius, A_a, w_a, A_b, w_b):
     """Contact point of a rolling sphere or disk from b's origin: (lever, its time derivative), inertial axes.
 
     On a disk it is the rim's point nearest to the plane: -radius along m, the plane's normal N made normal to
-    the disk's axis z.
+    the disk's axis z. A negative radius stands for the other side of the plane.
     """
-    N = column(A_a, 2)
+    N = al.column(A_a, 2)
     N_rate = al.cross(w_a, N)
 
     if kind == ROLL_SPHERE:
         return al.scale(-radius, N), al.scale(-radius, N_rate)
 
-    z = column(A_b, 2)
+    z = al.column(A_b, 2)
     z_rate = al.cross(w_b, z)
     y = al.axpy(-al.dot(N, z), z, N)
     y_rate = al.axpy(-al.dot(N_rate, z) - al.dot(N, z_rate), z, N_rate)
@@ -136,6 +130,10 @@ def write_coupling(m, d, row):
         gap -= position
         rate -= speed
         bias -= acceleration
+
+    # its offset is still to be found
+    if d.row_settles[row] > 0.0:
+        gap = 0.0
 
     set_residuals(d, row, gap, rate, bias)
 
@@ -241,7 +239,8 @@ def write_rows(m, d):
 
             else:
                 u = axis_of(A_a, i)
-                to_contact, to_contact_rate = rolling_contact(kind, m.row_value[2 * row], A_a, w_a, A_b, w_b)
+                radius = d.row_side[row] * m.row_value[2 * row]
+                to_contact, to_contact_rate = rolling_contact(kind, radius, A_a, w_a, A_b, w_b)
                 r_c = al.add(r_b, to_contact)
                 v_c = al.add(v_b, to_contact_rate)
                 slip = al.sub(

@@ -34,6 +34,16 @@ BAD_TOLERANCE = 40
 BAD_ABSOLUTE_TOLERANCE = 41
 BAD_MAX_EVALUATIONS = 42
 TOO_MUCH_WORK = 43
+SINGULAR_START = 30
+LOOP_SIZE = 31
+LOOP_ALONG = 32
+LOOP_ALONG_Z = 33
+LOOP_HELP = 34
+START_MOVED = 35
+START_TURNED = 36
+BEYOND_STOP = 37
+GAP_TAKEN = 38
+BODY_STUCK = 39
 
 # among steppers: another method must go on
 CHANGE_METHOD = 12
@@ -68,6 +78,17 @@ MESSAGES = {
     LOOP_OPEN: "the loop cannot be closed at %s",
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
+    SINGULAR_START: "the loop cannot be closed at %s though it stands open by rounding only: the position is singular; start a "
+    "little way off",
+    LOOP_SIZE: "the ends at %s stay %g m apart and turned by %g rad against each other",
+    LOOP_ALONG: "the second end at %s is off by %g m along x, %g m along y",
+    LOOP_ALONG_Z: "and by %g m along z of the inertial frame",
+    LOOP_HELP: "a start nearer to where it closes may help: %s",
+    START_MOVED: "%s at the start is given as %g, but taken as %g: loops, couplings, contacts or drivers leave it nothing else",
+    START_TURNED: "%s at the start is turned by %g deg from the given one: loops, couplings, contacts or drivers leave it nothing else",
+    BEYOND_STOP: "%s starts at %g, beyond its stop at %g",
+    GAP_TAKEN: "%s does not quite close: its ends stay %g m apart and turned by %g rad against each other, and the run goes on so",
+    BODY_STUCK: "%s cannot move: its joints leave it 0 degrees of freedom",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }
 

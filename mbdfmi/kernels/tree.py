@@ -10,7 +10,7 @@ articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S moti
 Indices: i body, parent its parent.
 """
 
-from . import added_mass, joints, virtual
+from . import added_mass, holding, joints, virtual
 from . import algebra as al
 from .language import inlined, kernel
 from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
@@ -143,6 +143,9 @@ def start_articulated(m, d):
     if d.lends[0] > 0.0:
         virtual.add(m, d)
 
+    if d.weighs[0] > 0.0:
+        holding.add_weights(m, d)
+
 
 @inlined
 def free_factor(d, i):
@@ -262,6 +265,7 @@ def aba(m, d):
                 else:
                     U_r = al.axpy(more, axis, U_r)
 
+            D += d.weight[v]
             al.set_vec3(d.U_w, i, U_w)
             al.set_vec3(d.U_r, i, U_r)
             d.D[6 * i] = D
@@ -484,6 +488,11 @@ def crba(m, d, mass_matrix):
 
                 moment = al.add(moment, al.cross(al.vec3(d.arm, j), force))
                 j = m.body_parent[j]
+
+    if d.weighs[0] > 0.0:
+        for i in range(1, m.n_body):
+            if m.body_joint[i] == joints.REVOLUTE or m.body_joint[i] == joints.PRISMATIC:
+                mass_matrix[(m.n_v + 1) * m.body_v[i]] += d.weight[m.body_v[i]]
 
 
 @kernel

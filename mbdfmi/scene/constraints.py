@@ -65,7 +65,7 @@ class Rolling(Constraint):
 
 
 class RollingSphere(Rolling):
-    """A sphere rolls."""
+    """A sphere rolls on the plane z = 0 of the first marker, on the side where its centre starts (above, if in the plane)."""
 
     kind: ClassVar[str] = "rolling_sphere"
 
@@ -81,7 +81,9 @@ class RollingDiskOptions(Part):
 
 
 class RollingDisk(Rolling):
-    """A thin disk rolls on its edge."""
+    """A thin disk rolls on its edge on the plane z = 0 of the first marker, on the side where its centre starts (above, if in the
+    plane).
+    """
 
     kind: ClassVar[str] = "rolling_disk"
 

@@ -49,7 +49,7 @@ class CouplingBase(Part):
 class GearOptions(Part):
     """ratio : angle of the second joint by that of the first, negative where they turn contrarily.
 
-    offset (rad) or offset_deg : angle of the second where the first one's is 0.
+    offset (rad) or offset_deg : angle of the second where the first one's is 0; left out: as at the start.
     """
 
     exclusive = (("offset", "offset_deg"),)
@@ -69,7 +69,7 @@ class Gear(CouplingBase):
 
 
 class RackOptions(Part):
-    """radius : of the pinion, m. offset : position where the angle is 0, m."""
+    """radius : of the pinion, m. offset : position where the angle is 0, m; left out: as at the start."""
 
     radius: NotZero = Field(description="radius of the pinion in m")
     offset: Number | None = None
@@ -90,7 +90,7 @@ class Rack(CouplingBase):
 
 
 class SpindleOptions(Part):
-    """pitch : m per turn. offset : position where the angle is 0, m."""
+    """pitch : m per turn. offset : position where the angle is 0, m; left out: as at the start."""
 
     pitch: NotZero = Field(description="advance in m per turn")
     offset: Number | None = None
@@ -111,7 +111,7 @@ class Spindle(CouplingBase):
 
 
 class RatioOptions(Part):
-    """ratio : of the second joint's coordinate to the first one's, SI. offset : SI."""
+    """ratio : of the second joint's coordinate to the first one's, SI. offset : SI; left out: as at the start."""
 
     ratio: NotZero = Field(description="coordinate of the second joint by that of the first, SI")
     offset: Number | None = None

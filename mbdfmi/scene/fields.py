@@ -129,6 +129,30 @@ Matrix6 = Array((6, 6), what="a 6x6 matrix, 6 rows of 6 numbers")
 Vector6 = Array((6,), what="6 numbers [x, y, z, rx, ry, rz]")
 
 
+def _components(value, names, what):
+    """An array, or a table of some of its components by name, or ValueError."""
+    if not isinstance(value, dict):
+        return array(value, (len(names),), what=what)
+    if not value:
+        raise ValueError(f"needs one of {listed(names, 'or')}; found an empty table")
+
+    return {_choice(name, names): _floats(item, name) for name, item in value.items()}
+
+
+def Components(names, what):
+    """The type of an array that may be given in part, as a table of its components."""
+    what = f"{what}, or a table of some of them as in {{ {names[0]} = 1.0 }}"
+    check = BeforeValidator(lambda value: _components(value, names, what))
+    return Annotated[tuple | dict[str, float], check]
+
+
+def filled(value, names, default=0.0):
+    """The array (n,) of one that may be given in part; what is left out is `default`."""
+    if isinstance(value, dict):
+        return np.array([value.get(name, default) for name in names])
+    return np.array(value)
+
+
 # axes
 
 def axis(value):
@@ -223,12 +247,12 @@ def AllOrSome(*options):
 UNITS = {"": 1.0, "_rad": 1.0, "_deg": np.pi / 180, "_rpm": np.pi / 30}
 
 
-def in_si(part, key, default=0.0):
-    """The value of a part's key in SI units, by whichever of key, key_deg, ... it is given."""
+def in_si(part, key, default=0.0, names=()):
+    """The value of a part's key in SI units, by whichever of key, key_deg, ... it is given; `names`: of its components."""
     for unit, factor in UNITS.items():
         value = getattr(part, key + unit, None)
         if value is not None:
-            return factor * np.array(value)
+            return factor * filled(value, names)
     return default
 
 

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from .ends import BETWEEN, Between
 from .fields import Axis, Part, unit_vector
-from .starts import RATES
+from .starts import RATES, Start
 
 # What a joint does to its second marker, in the first one's axes, or (_body) in its own: N, N m.
 REACTIONS = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body")
@@ -64,6 +64,16 @@ class JointBase(Part):
     def holds_velocity(self):
         """Whether the start says how fast the joint moves."""
         return any(key.startswith(RATES) for key in self.start_given)
+
+    def given_position(self):
+        """For each coordinate (an orientation counts as three) how its start was written, "" or "_deg", or None."""
+        start = getattr(self, "start", None)
+        return start.given(start.places) if isinstance(start, Start) else []
+
+    def given_velocity(self):
+        """The same of its rate: "", "_deg", "_rpm", or "_body" for a component in the second marker's axes."""
+        start = getattr(self, "start", None)
+        return start.given(start.rates) if isinstance(start, Start) else []
 
     def start_position(self):
         """Joint coordinates q at the start.

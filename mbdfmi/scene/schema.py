@@ -43,6 +43,8 @@ class Solver(Part):
     max_step : s, of the adaptive ones, or None.
     max_evaluations : of the accelerations in one communication step, iterations of the projection counted as such; a step that
         needs more stops with the time reached. Without it, as many as take about 10 s.
+    closing_tolerance : m and rad, the largest gap of a closed loop. A loop that repeats itself not quite exactly, as one of
+        hinges whose axes are 1e-5 rad off, is closed but for a gap of up to 1e-4, which is told.
     output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative), those of
         what is read off between inner steps included.
     """
@@ -54,6 +56,7 @@ class Solver(Part):
     absolute_tolerance: Tolerance = Field(default_factory=lambda data: data.get("tolerance", 1e-8))
     max_step: Positive | None = None
     max_evaluations: Positive | None = None
+    closing_tolerance: Positive = 1e-9
     output: SomeOf(*SOLVER_OUTPUTS) = []
 
     @model_validator(mode="after")
