@@ -134,6 +134,20 @@ def test_the_default_limit_brings_absurd_steps_back_within_10_s(name, variable, 
     assert process_time() - start < 10.0
 
 
+@pytest.mark.parametrize("integrator", ALL)
+@pytest.mark.parametrize("H", [-0.1, np.nan, -np.inf])
+def test_a_step_backwards_is_refused(integrator, H):
+    instance = instance_of(bars(2, solver=solver_of(integrator)))
+    instance.step(0.01)
+    x = instance.d.x.copy()
+
+    with pytest.raises(SimulationError, match="the communication step is negative or no number"):
+        instance.step(H)
+
+    assert instance.time == 0.01
+    assert np.array_equal(instance.d.x, x)
+
+
 # tolerances
 
 

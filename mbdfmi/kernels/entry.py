@@ -25,7 +25,7 @@ from . import (
 )
 from .language import inlined, kernel
 from .prepare import prepare
-from .status import BAD_START_ORIENTATION, OK, OUTPUT_NOT_FINITE, status
+from .status import BAD_START_ORIENTATION, BAD_STEP, OK, OUTPUT_NOT_FINITE, status
 from .views import DATA, MODEL, REALS
 
 
@@ -69,6 +69,9 @@ def step(m, d, H):
 
     On failure the state is that of the last accepted inner step.
     """
+    if not H >= 0.0:
+        return status(BAD_STEP, 0)
+
     commands.begin(m, d, H)
     onward = integrate.inputs_go_on(m, d)
     failure = OK

@@ -36,10 +36,11 @@ from .views import DATA, MODEL
 # a step that would end this close behind the communication point ends there
 SLACK = 0.01
 
-# estimated error of a continuous extension, 1: just allowed at the end of a step, that is allowed for what is read off it; at
-# the border of stability the step's own estimate hardly sees what it is made of
-EXTENSION_ALLOWED = 10.0
-BORDER_ALLOWED = 2.0
+# estimated error of a continuous extension, 1: just allowed at the end of a step, that is allowed for what is read off it: of a
+# smooth motion, which the estimate exaggerates; and of one with kinks, or stiff, where it is far above that of the step
+EXTENSION_ALLOWED = 20.0
+UNSEEN_ALLOWED = 3.0
+UNSEEN = 3.0
 
 # steps at the border of stability in a row, bar a few, that make a motion stiff (HW II, section IV.2)
 STIFF_AFTER = 15.0
@@ -142,7 +143,9 @@ def local_error(m, d, pair, step):
 
 @inlined
 def extension_error(m, d, pair, step, fine):
-    """Estimated error of a continuous extension with stages of its own; 1: just allowed at the end of a step.
+    """(estimated error of a continuous extension with stages of its own, whether the step's own estimate sees hardly any of it).
+
+    1: just allowed at the end of a step.
 
     Those stages tell what the others have not seen, a kink, and magnify what a stiff motion leaves of it. The extension misses
     the states at which their rates were found by O(h^7) where the motion is smooth; that, weighed so that an error in one of
@@ -162,10 +165,10 @@ def extension_error(m, d, pair, step, fine):
             squares += gap * gap
 
     if squares == 0.0:
-        return 0.0
+        return 0.0, False
 
     squares /= n
-    return squares / math.sqrt(squares + fine * fine / 16.0)
+    return squares / math.sqrt(squares + fine * fine / 16.0), squares > UNSEEN * UNSEEN * fine * fine
 
 
 @inlined
@@ -363,11 +366,15 @@ def adaptive(m, d, s, H, pair, onward, watch):
                 d.front[k] = d.x[k]
 
             failure = find_extension(m, d, pair, s, step)
-            extension = extension_error(m, d, pair, step, fine)
+            extension, unseen = extension_error(m, d, pair, step, fine)
             finite = failure == OK and extension < math.inf
             estimate = max(error, extension)
-            border = extension > BORDER_ALLOWED and is_at_border(m, d, pair, step)
-            error = max(error, extension / (BORDER_ALLOWED if border else EXTENSION_ALLOWED))
+
+            # where the motion is smooth and the extension good, the step is what it would be without
+            if unseen:
+                error = max(error, extension / UNSEEN_ALLOWED)
+            elif extension > EXTENSION_ALLOWED:
+                error = extension / EXTENSION_ALLOWED
 
         if finite and error <= 1.0:
             stiff = watch and is_stiff(m, d, pair, step)

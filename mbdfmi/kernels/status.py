@@ -34,6 +34,7 @@ BAD_TOLERANCE = 40
 BAD_ABSOLUTE_TOLERANCE = 41
 BAD_MAX_EVALUATIONS = 42
 TOO_MUCH_WORK = 43
+BAD_STEP = 44
 SINGULAR_START = 30
 LOOP_SIZE = 31
 LOOP_ALONG = 32
@@ -66,6 +67,7 @@ MESSAGES = {
     BAD_TOLERANCE: "solver.tolerance must be from 1e-14 to 0.1",
     BAD_ABSOLUTE_TOLERANCE: "solver.absolute_tolerance must be from 1e-14 to 0.1",
     BAD_MAX_EVALUATIONS: "solver.max_evaluations must be at least 1",
+    BAD_STEP: "the communication step is negative or no number",
     TOO_MUCH_WORK: "the step costs more than solver.max_evaluations allows: the motion is too fast for a step so long; look for "
     "huge values of inputs and parameters, take shorter steps, or raise solver.max_evaluations",
     NO_STAGES: "the implicit stages of a step were not found: the motion is stiff, or passes a singular position, or the step "
