@@ -105,12 +105,12 @@ def worst_errors(instance, H, until, error):
     return between, ends
 
 
-def clutch(amplitude, frequency, **solver):
+def clutch(amplitude, **solver):
     """A damper that acts one way, between a shaft that swings and a free one, which keeps the swing's peak speed."""
     axes = [0.01] * 3
-    swing = {"harmonic": {"amplitude": amplitude, "frequency": frequency}}
-    one_way = {"speed": [-1000, -0.01, 0, 0.01, 1000], "effort": [-1e5, -1, 0, 0, 0]}
-    peak = 2 * np.pi * frequency * amplitude
+    swing = {"harmonic": {"amplitude": amplitude, "frequency": 1}}
+    one_way = {"speed": [-10, -0.01, 0, 0.01, 10], "effort": [-1000, -1, 0, 0, 0]}
+    peak = 2 * np.pi * amplitude
     return peak, instance_of({
         "name": "clutch", "gravity": [0, 0, 0], "solver": solver,
         "body": {"a": {"mass": 1, "inertia": axes}, "b": {"mass": 1, "inertia": axes, "output": ["omega"]}},
@@ -124,17 +124,19 @@ def clutch(amplitude, frequency, **solver):
 
 
 @pytest.mark.parametrize("integrator", EXPLICIT)
-@pytest.mark.parametrize("amplitude, frequency, H", [(2.0, 1.0, 0.005), (0.7, 3.0, 0.002)])
-def test_a_one_way_damper_never_gives_more_than_the_peak_speed(integrator, amplitude, frequency, H):
-    peak, instance = clutch(amplitude, frequency, integrator=integrator, tolerance=1e-6)
+@pytest.mark.parametrize("amplitude, tolerance", [(2.0, 1e-8), (1.5, 1e-9), (2.0, 3e-9), (1.0, 1e-6)])
+@pytest.mark.parametrize("H", [0.005, 0.0031])
+def test_a_one_way_damper_never_gives_more_than_the_peak_speed(integrator, amplitude, tolerance, H):
+    """A kink that the extra stages of the 8(5,3) extension met alone came out as eight times the speed."""
+    peak, instance = clutch(amplitude, integrator=integrator, tolerance=tolerance)
     speeds = []
 
-    while instance.time < 1.3 / frequency:
+    while instance.time < 3.5:
         instance.step(H)
         speeds.append(instance.outputs()[2])
 
-    later = np.array(speeds)[int(0.4 / frequency / H) :]
-    assert np.abs(later - peak).max() < 1e-3 * peak
+    later = np.array(speeds)[int(0.4 / H) :]
+    assert np.abs(later - peak).max() < 2e-4 * peak
 
 
 def bouncing(**solver):
