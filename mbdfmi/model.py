@@ -26,6 +26,7 @@ from .compiler.contacts import add_contacts
 from .compiler.drives import add_coupling_outputs, add_drives
 from .compiler.forces import add_forces
 from .compiler.joints import add_joints
+from .compiler.light_parts import tell_light_parts
 from .compiler.reactions import add_reactions
 from .kernels import integrate, layout, outputs
 from .scene import Scene
@@ -107,6 +108,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
 
     add_forces(builder)
     add_constraints(builder)
+    tell_light_parts(builder)
     add_reactions(builder)
     add_coupling_outputs(builder)
     add_markers(builder)

@@ -22,6 +22,14 @@ DROP = 1e-9
 # likewise in loops that repeat themselves not quite exactly, as with axes 1e-5 rad off
 LOOSE_DROP = 1e-7
 
+# likewise where masses are very different: a row that moves a heavy part between light ones adds as little to the rows before
+# it as the light part is lighter. Below this ratio of masses DROP is taken smaller, down to what rounding leaves of a pivot
+LIGHT = 1e-5
+DROP_OF_LIGHT = 1e-13
+
+# below this ratio of masses the multipliers' rounding is felt: changes are found again for what the first ones left
+UNEVEN = 1e-3
+
 # ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
 NOISE = 1e-14
 
@@ -250,6 +258,12 @@ def largest_effort(kind, moment, force, lever):
 
 
 @inlined
+def drop_share(d):
+    """What a row must add to the rows before it beside its reference (see DROP)."""
+    return max(DROP_OF_LIGHT, DROP * min(1.0, d.lightness[0] / LIGHT))
+
+
+@inlined
 def row_reference(m, d, row):
     """What a row's pivot is to be judged by.
 
@@ -374,7 +388,7 @@ def factor_rows(m, d, positional):
     rows that are about velocities alone. A row that follows only from such rows is then not redundant.
     """
     everything = all_matter(m, positional)
-    least = LOOSE_DROP if d.loose[0] > 0.0 else DROP
+    least = LOOSE_DROP if d.loose[0] > 0.0 else drop_share(d)
 
     for row in range(m.n_row):
         d.row_diagonal[row] = 0.0 if is_idle(d, row, everything) else product(m, d, row, row)

@@ -1,5 +1,7 @@
 """Forward dynamics by the formulation of the model, constraints included."""
 
+import math
+
 from numba.types import boolean, int64, void
 
 from . import constraints, embedding, massless, rows, tree, virtual
@@ -9,6 +11,9 @@ from .views import DATA, MODEL
 
 # of what parts are lent, to see what they have
 LESS = 1e-3
+
+REFINEMENTS = 3
+"""Corrections of the accelerations at most; each gains the digits that the factor has left."""
 
 
 @inlined
@@ -89,6 +94,34 @@ def lend_inertia(m, d):
         virtual.forget(m, d)
 
 
+@kernel
+def refine(m, d):
+    """Accelerations that miss the rows by rounding alone, where light parts are between heavy ones.
+
+    A light part's acceleration is the small difference of large forces over a small mass, and the factor has lost as many
+    digits as the masses differ by. Corrections are small, so that they have all digits that count (iterative refinement).
+    """
+    size_before = math.inf
+
+    for attempt in range(REFINEMENTS):
+        size = 0.0
+
+        for row in range(m.n_row):
+            d.multiplier_kept[row] = d.multiplier[row]
+            d.row_left[row] = -constraints.row_acceleration(m, d, row)
+            size = max(size, abs(d.row_left[row]) if d.pivot[row] > 0.0 else 0.0)
+
+        if not size < 0.1 * size_before:
+            return
+
+        correct(m, d)
+        constraints.add_changes(m, d)
+        size_before = size
+
+        for row in range(m.n_row):
+            d.multiplier[row] += d.multiplier_kept[row]
+
+
 @apart(int64(MODEL, DATA))
 def accelerate(m, d):
     """v' into d.x_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
@@ -110,5 +143,8 @@ def accelerate(m, d):
 
         correct(m, d)
         constraints.add_changes(m, d)
+
+        if d.lightness[0] < constraints.UNEVEN:
+            refine(m, d)
 
     return massless.give_back(m, d) if d.lends[0] > 0.0 else OK

@@ -2,6 +2,8 @@
 
 import math
 
+import math
+
 from . import algebra as al
 from . import control, forces
 from .language import inlined, kernel
@@ -90,6 +92,21 @@ def has_finite_added_mass(d, k):
     return math.isfinite(total)
 
 
+@inlined
+def find_lightness(m, d):
+    """How light the lightest node is beside the heaviest, nodes without mass left out."""
+    least = math.inf
+    most = 0.0
+
+    for i in range(1, m.n_body):
+        most = max(most, d.body_m[i])
+
+        if d.body_m[i] > 0.0:
+            least = min(least, d.body_m[i])
+
+    d.lightness[0] = least / most if most > 0.0 else 1.0
+
+
 @kernel
 def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
@@ -132,6 +149,8 @@ def prepare(m, d):
         al.add_vec3(d.body_h, i, al.scale(mass, com))
         about_origin = al.sym_add(al.sym_rotate(A, I), al.sym_point(mass, com))
         al.set_sym3(d.body_I, i, al.sym_add(al.sym3(d.body_I, i), about_origin))
+
+    find_lightness(m, d)
 
     for k in range(m.n_linear):
         prepare_added_mass(m, d, k)

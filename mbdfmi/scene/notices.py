@@ -9,6 +9,7 @@ from math import hypot, pi
 
 import numpy as np
 
+from ..vectors import norm
 from .bodies import ROUNDING, inertia_matrix, principal_moments
 from .errors import Problem, show
 from .fields import Part
@@ -66,7 +67,40 @@ def inertia_of_no_body(scene):
             yield Problem(("body", name, "inertia"), text + principal_moments(moments))
 
 
-RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body)
+def idle_spins(scene):
+    """Bodies between two ball joints whose spin about the line between these is all but free of inertia.
+
+    The forces that they pass on have no moment about that line, but for rounding; an adaptive stepper follows what that does.
+    """
+    weight = 1e-16 * max(hypot(*scene.gravity), 1.0) * max((body.mass_properties()[0] for body in scene.body.values()), default=0.0)
+
+    for name, body in scene.body.items():
+        held = [
+            (joint.kind, scene.marker_pose(end)[1])
+            for joint in scene.joint.values()
+            for end in joint.between
+            if end.split(".")[0] == name
+        ]
+
+        if len(held) != 2 or any(kind not in ("spherical", "distance") for kind, _ in held):
+            continue
+
+        (_, a), (_, b) = held
+        length = norm(b - a)
+        mass, com, inertia = body.mass_properties()
+        line = (b - a) / length if length > 0.0 else b
+        spin = line @ inertia @ line + mass * norm(np.cross(com - a, line)) ** 2
+
+        if length > 0.0 and not scene.solver.fixed_step and 0.0 < spin * 30 * scene.solver.tolerance < weight * length:
+            text = (
+                f"its spin about the line between its two joints, with {spin:.2g} kg m2, feels the rounding of what it carries: up "
+                f"to {weight * length / spin:.1g} rad/s2, for which steps become small; take a distance joint in its place, a "
+                "universal for one of the joints, or more inertia about that line"
+            )
+            yield Problem(("body", name), text)
+
+
+RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins)
 
 
 def notices(scene):
