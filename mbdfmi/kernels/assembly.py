@@ -623,8 +623,9 @@ def see_stuck(m, d, seen):
     for v in range(m.n_q, m.n_q + m.n_v):
         size = max(size, STUCK * abs(d.x[v]))
 
+    # what is held, as a ground that moves, is not stuck
     for i in range(1, m.n_body):
-        moves = al.norm(al.vec3(d.w, i)) > size or al.norm(al.vec3(d.rd, i)) > size * m.scene_length[0]
+        moves = d.held[i] > 0.0 or al.norm(al.vec3(d.w, i)) > size or al.norm(al.vec3(d.rd, i)) > size * m.scene_length[0]
         d.stuck[i] = seen + 1.0 if not moves and d.stuck[i] == seen else 0.0
 
 
