@@ -27,6 +27,7 @@ UNITS: dict[str, Unit] = {
     "1": Unit(),
     "s": Unit(s=1),
     "1/s": Unit(s=-1),
+    "Hz": Unit(s=-1),
     "kg": Unit(kg=1),
     "kg.m": Unit(kg=1, m=1),
     "kg.m2": Unit(kg=1, m=2),

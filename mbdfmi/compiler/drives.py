@@ -53,13 +53,13 @@ def add_drives(builder):
             builder.driven_cuts[name] = drive
 
 
-def _add(builder, kind, node, value=(), at=0, channels=(), turn=(commands.TURN_NONE, 0)):
+def _add(builder, kind, node, value=(), at=0, terms=0, channels=(), turn=(commands.TURN_NONE, 0)):
     """A row of the table of drives; `channels`: inputs that tell position, speed, acceleration of each, and whether an angle."""
     values = np.zeros(16)
     values[: len(value)] = value
     rows = [builder.tables["n_command"].add(command_u=u, command_angular=int(angular)) for u, angular in channels]
     return builder.tables["n_drive"].add(
-        drive_kind=kind, drive_body=node, drive_at=at, drive_value=values, drive_turn=turn,
+        drive_kind=kind, drive_body=node, drive_at=at, drive_terms=terms, drive_value=values, drive_turn=turn,
         drive_command=rows[0] if rows else -1, drive_commands=len(rows),
     )
 
@@ -84,15 +84,39 @@ def _add_joint_drive(builder, name, joint, node):
         )
         return drive
 
-    if driver.kind == "harmonic":
-        wave = driver.harmonic
-        frequency = 2 * np.pi * wave.frequency
-        value = (wave.mean_value(), wave.amplitude_value(), frequency, wave.phase_value())
-        return _add(builder, drives.HARMONIC, node, value)
+    if driver.kind == "hold":
+        return _add(builder, drives.CONSTANT_SPEED, node, (joint.start_position()[0], 0.0))
+
+    if driver.kind in ("harmonic", "harmonics"):
+        return _add_waves(builder, name, getattr(driver, driver.kind), node, unit)
+
+    if driver.kind == "polynomial":
+        value = driver.polynomial.values()
+        drive = _add(builder, drives.POLYNOMIAL, node, value, terms=len(value))
+        units = ([unit, f"{unit}/s", f"{unit}/s2"] + [None] * 16)[: len(value)]
+        about = f"coefficients of the powers of time of {name}, SI"
+        builder.add_parameters(dotted(name, "driver", "coefficients"), "drive_value", drive, value, units, about, "fixed")
+        return drive
+
+    if driver.kind == "ramp":
+        value = driver.ramp.values()
+        drive = _add(builder, drives.RAMP, node, value)
+
+        for k, end in enumerate(("begin", "end")):
+            for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position, unit)):
+                about = f"{quantity} of {name} at the {'beginning' if k == 0 else 'end'} of its ramp"
+                variable = dotted(name, "driver", f"{quantity}_{end}")
+                builder.add_parameters(variable, "drive_value", drive, value[offset], of, about, "fixed", offset)
+
+        return drive
 
     if driver.kind == "table":
         table = builder.tables_over_time(driver.table.interpolation, *driver.table.points())
         return _add(builder, drives.TABLE, node, at=table)
+
+    if driver.kind == "speed_table":
+        table = builder.tables_over_time(driver.speed_table.interpolation, *driver.speed_table.points())
+        return _add(builder, drives.SPEED_TABLE, node, (joint.start_position()[0],), at=table)
 
     told = len(driver.commands())
     quantities = (position, speed, "acceleration")
@@ -108,6 +132,25 @@ def _add_joint_drive(builder, name, joint, node):
         )
 
     return _add(builder, drives.INPUT, node, channels=[(inputs, unit == "rad")])
+
+
+def _add_waves(builder, name, harmonics, node, unit):
+    """The drive of a joint by one harmonic or by their sum."""
+    waves, mean = harmonics.waves(), harmonics.mean_value()
+    first = [builder.tables["n_wave"].add(wave_value=wave) for wave in waves][0]
+    drive = _add(builder, drives.HARMONIC, node, (mean,), at=first, terms=len(waves))
+    about = f"mean of the motion of {name}"
+    builder.add_parameters(dotted(name, "driver", "mean"), "drive_value", drive, mean, unit, about, "fixed")
+
+    for k, wave in enumerate(waves):
+        ending = f"[{k + 1}]" if np.ndim(harmonics.frequency) else ""
+
+        for offset, (quantity, of) in enumerate((("amplitude", unit), ("frequency", "Hz"), ("phase", "rad"))):
+            about = f"{quantity} of the motion of {name}"
+            variable = dotted(name, "driver", quantity) + ending
+            builder.add_parameters(variable, "wave_value", first + k, wave[offset], of, about, "fixed", offset)
+
+    return drive
 
 
 def _add_ground(builder, motion, node):

@@ -7,7 +7,7 @@ from ..scene.starts import ENDINGS
 from ..variables import dotted
 from .contacts import add_contact_outputs
 from .elastic import elastic_table
-from .start import driven_position
+from .start import start_position
 
 # what the scalar coordinates of a joint are: names of a coordinate and its rate, its unit; several of one name are an array
 COORDINATES = {
@@ -81,7 +81,7 @@ def add_joints(builder):
 def _add_start(builder, name, joint):
     """Start values as parameters; a screw's position follows from its angle."""
     q, v = joint.start_position(), joint.start_velocity()
-    q = np.array([driven_position(joint)]) if joint.driver else q
+    q = np.array([start_position(joint)]) if joint.driver else q
     nodes = builder.joint_nodes[name]
 
     if joint.kind in POSES:

@@ -26,25 +26,26 @@ def start_pose(builder, end):
     return pose
 
 
-def driven_position(joint):
-    """Where a driver holds its joint at time 0 (rad or m); where it follows from the start or an input, as that says."""
+def start_position(joint):
+    """The first scalar coordinate of a joint (rad or m): what its driver asks for at time 0, or its start value."""
     driver = joint.driver
 
-    if driver.kind == "harmonic":
-        wave = driver.harmonic
-        return wave.mean_value() + wave.amplitude_value() * np.sin(wave.phase_value())
+    if driver and driver.kind == "table":
+        time, position = driver.table.points()
+        return float(curve(driver.table.interpolation, time, position)(np.clip(0.0, time[0], time[-1])))
 
-    if driver.kind == "table":
-        time, values = driver.table.points()
-        return float(curve(driver.table.interpolation, time, values)(np.clip(0.0, time[0], time[-1])))
+    if driver and driver.kind in ("harmonic", "harmonics", "polynomial", "ramp"):
+        return getattr(driver, driver.kind).at(0.0)
 
     return float(joint.start_position()[0])
 
 
 def coupled_angles(scene):
-    """Angles (rad) at the start of revolute joints without a start of their own that couplings tell: (joint, 0) -> rad."""
-    held = {name: joint for name, joint in scene.joint.items() if joint.kind in COUPLED and joint.holds_position}
-    known = {name: joint.start_position()[0] for name, joint in held.items()}
+    """Angles (rad) at the start of revolute joints that their drivers tell, or, without a start of their own, couplings:
+    (joint, 0) -> rad.
+    """
+    held = {name: joint for name, joint in scene.joint.items() if joint.kind in COUPLED and _tells(joint)}
+    known = {name: start_position(joint) for name, joint in held.items()}
     links = [(*c.between, c.ratio, c.offset) for c in scene.coupling.values() if c.offset is not None]
 
     for _ in links:
@@ -54,7 +55,13 @@ def coupled_angles(scene):
             elif second in known:
                 known[first] = (known[second] - offset) / ratio
 
-    return {(name, 0): q for name, q in known.items() if name not in held and scene.joint[name].kind == "revolute"}
+    told = (name for name in known if name not in held or scene.joint[name].driver)
+    return {(name, 0): known[name] for name in told if scene.joint[name].kind == "revolute"}
+
+
+def _tells(joint):
+    """Whether a joint's driver or start says where it is."""
+    return joint.holds_position or joint.driver is not None
 
 
 def _joint_pose(builder, i):

@@ -12,16 +12,67 @@ from .language import inlined, kernel
 
 # of one coordinate; drive_value:
 CONSTANT_SPEED = 0  # position at the start, speed
-HARMONIC = 1  # mean, amplitude, angular frequency rad/s, phase rad
+HARMONIC = 1  # mean; drive_at, drive_terms: its waves
 TABLE = 2  # drive_at: table over time
 INPUT = 3  # drive_command: a channel (commands.py)
+SPEED_TABLE = 4  # position at the start; drive_at: table of the speed over time
+POLYNOMIAL = 5  # drive_terms coefficients of the powers of time, the constant first
+RAMP = 6  # time and position at the beginning, time and position at the end
 
 # of the ground; drive_value:
-GROUND_ACCELERATION = 4  # position, velocity at time 0, acceleration (3 each)
-GROUND_ROTATION = 5  # axis (3), point (3), speed, angle at time 0
-GROUND_ORBIT = 6  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
-GROUND_TABLE = 7  # drive_at: 7 tables over time, position and E
-GROUND_INPUT = 8  # drive_command: channels of position and orientation
+GROUND_ACCELERATION = 7  # position, velocity at time 0, acceleration (3 each)
+GROUND_ROTATION = 8  # axis (3), point (3), speed, angle at time 0
+GROUND_ORBIT = 9  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
+GROUND_TABLE = 10  # drive_at: 7 tables over time, position and E
+GROUND_INPUT = 11  # drive_command: channels of position and orientation
+
+
+@inlined
+def waves(m, k, t):
+    """(position, rate, acceleration) of the sum of harmonics of drive k at time t."""
+    x = m.drive_value[16 * k]
+    v = 0.0
+    a = 0.0
+
+    for i in range(m.drive_at[k], m.drive_at[k] + m.drive_terms[k]):
+        w = 2.0 * math.pi * m.wave_value[3 * i + 1]
+        angle = w * t + m.wave_value[3 * i + 2]
+        wave = m.wave_value[3 * i] * math.sin(angle)
+        x += wave
+        v += w * m.wave_value[3 * i] * math.cos(angle)
+        a -= w * w * wave
+
+    return x, v, a
+
+
+@inlined
+def power_series(m, k, t):
+    """(position, rate, acceleration) of the polynomial of drive k at time t."""
+    x = 0.0
+    v = 0.0
+    half = 0.0
+
+    for i in range(16 * k + m.drive_terms[k] - 1, 16 * k - 1, -1):
+        half = v + t * half
+        v = x + t * v
+        x = m.drive_value[i] + t * x
+
+    return x, v, 2.0 * half
+
+
+@inlined
+def ramp(m, k, t):
+    """(position, rate, acceleration) of ramp k at time t: 10 s^3 - 15 s^4 + 6 s^5 of the way, s the part of its time."""
+    at = 16 * k
+    span = max(1e-12, m.drive_value[at + 2] - m.drive_value[at])
+    rise = m.drive_value[at + 3] - m.drive_value[at + 1]
+    s = min(1.0, max(0.0, (t - m.drive_value[at]) / span))
+    u = 1.0 - s
+    speed = rise / span
+    x = m.drive_value[at + 1] + rise * (s * s * s * (10.0 - s * (15.0 - 6.0 * s)))
+
+    # at the end exactly there
+    return m.drive_value[at + 3] if s == 1.0 else x, 30.0 * speed * s * s * u * u, 60.0 * speed / span * s * u * (u - s)
 
 
 @kernel
@@ -29,17 +80,26 @@ def target(m, d, k):
     """(position, rate, acceleration) that drive k of one coordinate asks for now."""
     kind = m.drive_kind[k]
     at = 16 * k
+    t = d.now[0]
 
     if kind == CONSTANT_SPEED:
         speed = m.drive_value[at + 1]
-        return m.drive_value[at] + speed * (d.now[0] - d.start_time[0]), speed, 0.0
+        return m.drive_value[at] + speed * (t - d.start_time[0]), speed, 0.0
 
     if kind == HARMONIC:
-        w = m.drive_value[at + 2]
-        amplitude = m.drive_value[at + 1]
-        angle = w * d.now[0] + m.drive_value[at + 3]
-        wave = amplitude * math.sin(angle)
-        return m.drive_value[at] + wave, w * amplitude * math.cos(angle), -w * w * wave
+        return waves(m, k, t)
+
+    if kind == POLYNOMIAL:
+        return power_series(m, k, t)
+
+    if kind == RAMP:
+        return ramp(m, k, t)
+
+    if kind == SPEED_TABLE:
+        table = m.drive_at[k]
+        speed, acceleration, _ = tables.evaluate(m, table, t)
+        way = tables.integral(m, table, t) - tables.integral(m, table, d.start_time[0])
+        return m.drive_value[at] + way, speed, acceleration
 
     if kind == TABLE:
         return tables.evaluate(m, m.drive_at[k], d.now[0])

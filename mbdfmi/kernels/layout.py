@@ -42,6 +42,7 @@ COUNTS = (
     "n_table",  # piecewise polynomials
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
+    "n_wave",  # harmonics of their motions
     "n_command",  # numbers of their motion that inputs tell (commands.py)
     "n_attitude",  # 1: inputs tell orientation and angular velocity of the ground
     "n_curve",
@@ -146,7 +147,8 @@ ARRAYS = (
     Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
     Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
-    Row("drive_at", "ints", 1, "n_drive", "first of its tables"),
+    Row("drive_at", "ints", 1, "n_drive", "first of its tables, waves or inputs"),
+    Row("drive_terms", "ints", 1, "n_drive", "number of its waves or coefficients"),
     Row("drive_command", "ints", 1, "n_drive", "first of its channels of commands, -1: none"),
     Row("drive_commands", "ints", 1, "n_drive", "number of these; of the ground x, y, z, then those of its orientation"),
     Row("drive_turn", "ints", 2, "n_drive", "what commands the ground's orientation (commands.py), first input of that"),
@@ -219,6 +221,7 @@ ARRAYS = (
     Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
+    Row("wave_value", "reals", 3, "n_wave", "amplitude (m, rad), frequency (Hz), phase (rad)"),
     Row("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
     Row("turn_start", "reals", 1, "n_turn", "rad, near which the angle starts"),
     # constants

@@ -1,11 +1,16 @@
 """What acts in a joint of one freedom: springs, dampers, friction, stops, drivers."""
 
+from typing import Annotated
+
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from .errors import show
-from .fields import AllOrSome, NotNegative, Number, Part, Positive, as_given, in_si
-from .tables import AngleOverTime, EffortOverAngle, EffortOverPosition, PositionOverTime
+from .fields import AllOrSome, Array, Flag, NotNegative, Number, Part, Positive, as_given, in_si
+from .tables import (
+    AngleOverTime, AngularSpeedOverTime, EffortOverAngle, EffortOverPosition, PositionOverTime, Some, SpeedOverTime,
+    ascending,
+)
 
 
 # springs
@@ -125,17 +130,18 @@ class AngularStop(Stop):
 class Harmonic(Part):
     """mean + amplitude sin(2 pi frequency time + phase)"""
 
-    def amplitude_value(self):
-        """m, rad."""
-        return in_si(self, "amplitude")
-
-    def phase_value(self):
-        """rad."""
-        return in_si(self, "phase")
+    def waves(self):
+        """Amplitude (m, rad), frequency (Hz) and phase (rad) of each wave (n, 3)."""
+        return np.column_stack([in_si(self, "amplitude"), self.frequency, in_si(self, "phase")])
 
     def mean_value(self):
         """m, rad."""
-        return in_si(self, "mean")
+        return float(in_si(self, "mean"))
+
+    def at(self, time):
+        """m, rad, at a time (s)."""
+        amplitude, frequency, phase = self.waves().T
+        return self.mean_value() + float(amplitude @ np.sin(2 * np.pi * frequency * time + phase))
 
 
 class LinearHarmonic(Harmonic):
@@ -161,23 +167,142 @@ class AngularHarmonic(Harmonic):
     mean_deg: Number | None = None
 
 
+class Harmonics(Harmonic):
+    """amplitude, frequency, phase_deg : a value for each wave; all phases are 0 when left out."""
+
+    @model_validator(mode="after")
+    def _check_waves(self):
+        n = len(self.frequency)
+        for key in ("amplitude", "amplitude_deg", "phase_deg"):
+            values = getattr(self, key, None)
+            if values is not None and len(values) != n:
+                raise ValueError(f'"frequency" has {n} values and "{key}" {len(values)}; each needs one of the other')
+        if min(self.frequency) <= 0:
+            raise ValueError(f"frequency must be greater than 0, found {show(min(self.frequency))}")
+        return self
+
+    def waves(self):
+        """Amplitude (m, rad), frequency (Hz) and phase (rad) of each wave (n, 3)."""
+        phase = in_si(self, "phase", np.zeros(len(self.frequency)))
+        return np.column_stack([in_si(self, "amplitude"), self.frequency, phase])
+
+
+class LinearHarmonics(Harmonics):
+    """position = mean + the sum of amplitude sin(2 pi frequency time + phase_deg), m, Hz."""
+
+    amplitude: Some = Field(description="amplitudes in m")
+    frequency: Some = Field(description="frequencies in Hz")
+    phase_deg: Some | None = None
+    mean: Number = 0.0
+
+
+class AngularHarmonics(Harmonics):
+    """angle = mean + the sum of amplitude sin(2 pi frequency time + phase_deg), rad or _deg, Hz."""
+
+    exclusive = (("mean", "mean_deg"),)
+    needed = (("amplitude", "amplitude_deg"),)
+
+    amplitude: Some | None = None
+    amplitude_deg: Some | None = None
+    frequency: Some = Field(description="frequencies in Hz")
+    phase_deg: Some | None = None
+    mean: Number | None = None
+    mean_deg: Number | None = None
+
+
+def _few(values):
+    if len(values or ()) > 16:
+        raise ValueError(f"needs at most 16 numbers, found {len(values)}")
+    return values
+
+
+Coefficients = Annotated[Some, AfterValidator(_few)]
+
+
+class Polynomial(Part):
+    """A sum of coefficients times powers of time, the constant first."""
+
+    def values(self):
+        """m, rad, by s, s^2, ..."""
+        return np.atleast_1d(in_si(self, "coefficients"))
+
+    def at(self, time):
+        """m, rad, at a time (s)."""
+        return float(np.polynomial.polynomial.polyval(time, self.values()))
+
+
+class LinearPolynomial(Polynomial):
+    """position = c0 + c1 time + c2 time^2 + ..., m. coefficients : [c0, c1, ...], up to 16."""
+
+    coefficients: Coefficients
+
+
+class AngularPolynomial(Polynomial):
+    """angle = c0 + c1 time + c2 time^2 + .... coefficients (rad) or coefficients_deg : [c0, c1, ...], up to 16."""
+
+    needed = (("coefficients", "coefficients_deg"),)
+
+    coefficients: Coefficients | None = None
+    coefficients_deg: Coefficients | None = None
+
+
+Pair = Array((2,), what="2 numbers [from, to]")
+
+
+class Ramp(Part):
+    """A smooth way from one position to another, and rest before and after it.
+
+    With s the part of the time gone, 10 s^3 - 15 s^4 + 6 s^5 of the way: position, speed and acceleration are continuous, the
+    greatest speed is 1.875 times the mean one, the greatest acceleration 5.77 times the way by the time squared.
+    """
+
+    def values(self):
+        """Time and position at the beginning, time and position at the end: s, m, rad."""
+        return [*np.column_stack([self.time, in_si(self, "position")]).ravel()]
+
+    def at(self, time):
+        """m, rad, at a time (s)."""
+        t0, x0, t1, x1 = self.values()
+        s = np.clip((time - t0) / (t1 - t0), 0.0, 1.0)
+        return float(x0 + (x1 - x0) * s**3 * (10 - 15 * s + 6 * s * s))
+
+
+class LinearRamp(Ramp):
+    """time : [begin, end], s. position : [from, to], m."""
+
+    time: Annotated[Pair, AfterValidator(ascending)]
+    position: Pair
+
+
+class AngularRamp(Ramp):
+    """time : [begin, end], s. position (rad) or position_deg : [from, to]."""
+
+    needed = (("position", "position_deg"),)
+
+    time: Annotated[Pair, AfterValidator(ascending)]
+    position: Pair | None = None
+    position_deg: Pair | None = None
+
+
 COMMANDS = ("position", "speed", "acceleration")
+
+# how a driver may prescribe a motion, beside constant_speed
+WAYS = ("hold", "harmonic", "harmonics", "polynomial", "ramp", "table", "speed_table", "input")
 
 
 class Driver(Part):
     """The motion of a joint, prescribed.
 
+    constant_speed, speed_table, hold : the joint goes on from its start position, or keeps it. The other ways tell the
+        position itself, over the time of the simulation.
     input : true, or what inputs tell of the motion: ["position"], ["position", "speed"], or all three, for which true stands.
         What is not told is found from the last commands.
     """
 
     @property
     def kind(self):
-        """One of "constant_speed", "harmonic", "table" and "input"."""
-        for kind in ("harmonic", "table", "input"):
-            if getattr(self, kind) is not None:
-                return kind
-        return "constant_speed"
+        """One of "constant_speed" and WAYS."""
+        return next((kind for kind in WAYS if getattr(self, kind) is not None), "constant_speed")
 
     def speed(self):
         """The constant speed, m/s, rad/s."""
@@ -205,29 +330,38 @@ class Driver(Part):
 
 
 class LinearDriver(Driver):
-    """One of constant_speed : m/s; harmonic; table : position over time; input."""
+    """One of constant_speed : m/s; hold; harmonic; harmonics; polynomial; ramp; table : position over time;
+    speed_table; input.
+    """
 
-    needed = (("constant_speed", "harmonic", "table", "input"),)
+    needed = (("constant_speed", *WAYS),)
 
     constant_speed: Number | None = None
+    hold: Flag | None = None
     harmonic: LinearHarmonic | None = None
+    harmonics: LinearHarmonics | None = None
+    polynomial: LinearPolynomial | None = None
+    ramp: LinearRamp | None = None
     table: PositionOverTime | None = None
+    speed_table: SpeedOverTime | None = None
     input: AllOrSome(*COMMANDS) | None = None
 
 
 class AngularDriver(Driver):
-    """One of constant_speed : rad/s, or _deg, _rpm; harmonic; table; input, with "angle" or "position"."""
+    """One of constant_speed : rad/s, or _deg, _rpm; hold; harmonic; harmonics; polynomial; ramp; table : angle over time;
+    speed_table; input, with "angle" or "position".
+    """
 
-    needed = (
-        (
-            "constant_speed", "constant_speed_deg", "constant_speed_rpm",
-            "harmonic", "table", "input",
-        ),
-    )
+    needed = (("constant_speed", "constant_speed_deg", "constant_speed_rpm", *WAYS),)
 
     constant_speed: Number | None = None
     constant_speed_deg: Number | None = None
     constant_speed_rpm: Number | None = None
+    hold: Flag | None = None
     harmonic: AngularHarmonic | None = None
+    harmonics: AngularHarmonics | None = None
+    polynomial: AngularPolynomial | None = None
+    ramp: AngularRamp | None = None
     table: AngleOverTime | None = None
+    speed_table: AngularSpeedOverTime | None = None
     input: AllOrSome("angle", *COMMANDS) | None = None

@@ -68,11 +68,11 @@ class Driveable(JointBase):
 
         if self.input:
             raise ValueError(f"{listed(self.input)} cannot act on a driven joint; drop the input")
-        if self.driver.kind in ("harmonic", "table") and self.start_given:
+        if self.driver.kind not in ("constant_speed", "hold", "speed_table", "input") and self.start_given:
             raise ValueError("the driver says where the joint starts and how fast; drop the start")
         if self.driver.kind == "input" and self.holds_velocity and "speed" not in self.driver.commands():
             raise ValueError('the driver is told the position alone; drop the speed of the start, or add "speed" to its input')
-        if self.driver.kind == "constant_speed" and self.holds_velocity:
+        if self.driver.kind in ("constant_speed", "hold", "speed_table") and self.holds_velocity:
             raise ValueError("the driver says how fast the joint starts; drop that of the start")
         return self
 

@@ -100,7 +100,23 @@ def idle_spins(scene):
             yield Problem(("body", name), text)
 
 
-RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins)
+def jumping_speeds(scene):
+    """Positions over time that are read by straight lines."""
+    text = (
+        "straight lines let the speed jump at each point: what hangs on it by joints gets no impulse then; "
+        'interpolation = "smooth", or a speed_table, has none of that'
+    )
+    motion = scene.ground.motion
+
+    if motion and motion.kind == "table" and motion.table.interpolation == "linear":
+        yield Problem(("ground", "motion", "table", "interpolation"), text)
+
+    for name, joint in scene.joint.items():
+        if joint.driver and joint.driver.kind == "table" and joint.driver.table.interpolation == "linear":
+            yield Problem(("joint", name, "driver", "table", "interpolation"), text)
+
+
+RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins, jumping_speeds)
 
 
 def notices(scene):

@@ -25,7 +25,7 @@ def Rows(width, what, least=2):
     return Annotated[tuple, BeforeValidator(lambda value: rows(value, width, what, least))]
 
 
-def _ascending(values):
+def ascending(values):
     for i, (before, after) in enumerate(zip(values, values[1:]), 2):
         if not before < after:
             raise ValueError(f"must ascend, but [{i}] is {show(after)} after {show(before)}")
@@ -33,8 +33,9 @@ def _ascending(values):
 
 
 Numbers = Rows(None, "numbers")
+Some = Rows(None, "numbers", least=1)
 Vectors = Rows(3, "vectors [x, y, z]")
-Ascending = Annotated[Numbers, AfterValidator(_ascending)]
+Ascending = Annotated[Numbers, AfterValidator(ascending)]
 
 
 # how tables of forces and of motions are read between their points
