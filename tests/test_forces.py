@@ -79,6 +79,45 @@ def test_stick_and_slip():
     assert_near(acceleration, (6.1 - 4.0) / 2.0, 1e-6)
 
 
+@pytest.mark.parametrize("load", [0.1, 0.5, 0.9, 0.99])
+def test_what_sticks_creeps_by_a_micrometre_a_second_at_most(load):
+    """1e-6 m/s times load by capacity, at all times, by the default."""
+    run = simulate(slider(6.0 * load, friction={"coulomb": 4.0, "static": 6.0}), 2.0, 0.02)
+    assert np.abs(run["slide.speed"]).max() <= 1e-6 * load
+    assert_near(run["slide.position"][-1], 3.7e-7 * np.arctanh(load) * 2.0, 1e-9)
+
+
+def stick_slip(smoothing):
+    """A block that a spring pulls over a belt: evaluations for 6 s."""
+    friction = {"coulomb": 3.0, "static": 6.0} | smoothing
+    slide = {"prismatic": {"axis": "x"}}
+    block = {"mass": 1, "inertia": [0.01] * 3}
+    scene = Scene(
+        name="belt", gravity=[0, 0, 0], solver={"output": ["evaluations"]}, body={"belt": block, "block": block},
+        ground={"marker": {"far": {"position": [-1, 0, 0]}}},
+        joint={
+            "belt": slide | {"between": ["ground", "belt"], "driver": {"constant_speed": 0.2}},
+            "rub": slide | {"between": ["belt", "block"], "friction": friction},
+        },
+        force={"spring": {"spring_damper": {"stiffness": 50, "rest_length": 1}, "between": ["ground.far", "block"]}},
+    )
+    return simulate(compile_scene(scene), 6.0, 0.05)["solver.evaluations"][-1]
+
+
+def turning_back(smoothing):
+    """A block on a spring that comes to rest by friction: evaluations for 6 s."""
+    solver = {"output": ["evaluations"]}
+    friction = {"coulomb": 1.0} | smoothing
+    model = slider(mass=1.0, spring={"stiffness": 100}, friction=friction, start={"position": 0.205}, solver=solver)
+    return simulate(model, 6.0, 0.05)["solver.evaluations"][-1]
+
+
+@pytest.mark.parametrize("evaluations", [stick_slip, turning_back])
+def test_the_cost_of_sticking(evaluations, check):
+    """Not much more than with a creep of millimetres a second."""
+    check(evaluations({}) / evaluations({"smoothing_speed": 1e-3}), 1.8)
+
+
 def test_coulomb_friction_takes_the_same_from_every_cycle():
     """Amplitude A - 4 F / k after a cycle, in the same time as without friction."""
     F, k, m, A = 1.0, 100.0, 1.0, 1.0
