@@ -124,7 +124,7 @@ def test_friction_and_stops():
                      stop={"upper_deg": 90, "stiffness": 5, "damping": 1})
     friction, stop = joint.friction, joint.stop
     assert (friction.coulomb, friction.static, friction.viscous) == (2, 2, 0)
-    assert (friction.stribeck_speed, friction.smoothing_speed) == (0.1, 1e-3)
+    assert (friction.stribeck_speed, friction.smoothing_speed) == (0.1, 3.7e-7)
     assert (stop.lower_value(), stop.stiffness, stop.damping) == (-np.inf, 5, 1)
     assert_allclose(stop.upper_value(), np.pi / 2)
 
