@@ -132,9 +132,17 @@ class AngularStop(Stop):
 class Harmonic(Part):
     """mean + amplitude sin(2 pi frequency time + phase)"""
 
+    def amplitude_value(self):
+        """m, rad."""
+        return in_si(self, "amplitude")
+
+    def phase_value(self):
+        """rad."""
+        return in_si(self, "phase")
+
     def waves(self):
         """Amplitude (m, rad), frequency (Hz) and phase (rad) of each wave (n, 3)."""
-        return np.column_stack([in_si(self, "amplitude"), self.frequency, in_si(self, "phase")])
+        return np.column_stack([self.amplitude_value(), self.frequency, self.phase_value()])
 
     def mean_value(self):
         """m, rad."""
@@ -183,10 +191,9 @@ class Harmonics(Harmonic):
             raise ValueError(f"frequency must be greater than 0, found {show(min(self.frequency))}")
         return self
 
-    def waves(self):
-        """Amplitude (m, rad), frequency (Hz) and phase (rad) of each wave (n, 3)."""
-        phase = in_si(self, "phase", np.zeros(len(self.frequency)))
-        return np.column_stack([in_si(self, "amplitude"), self.frequency, phase])
+    def phase_value(self):
+        """rad, of each wave."""
+        return in_si(self, "phase", np.zeros(len(self.frequency)))
 
 
 class LinearHarmonics(Harmonics):
