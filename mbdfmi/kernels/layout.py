@@ -147,7 +147,7 @@ ARRAYS = (
     Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
     Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
-    Row("drive_at", "ints", 1, "n_drive", "first of its tables, waves or inputs"),
+    Row("drive_at", "ints", 1, "n_drive", "first of its tables or waves"),
     Row("drive_terms", "ints", 1, "n_drive", "number of its waves or coefficients"),
     Row("drive_command", "ints", 1, "n_drive", "first of its channels of commands, -1: none"),
     Row("drive_commands", "ints", 1, "n_drive", "number of these; of the ground x, y, z, then those of its orientation"),
