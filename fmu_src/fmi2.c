@@ -445,13 +445,13 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoin
 
     if (!(isfinite(H) && H > 0))
         REFUSE("%s: the step size is %g s and must be positive", __func__, H);
-    if (!isfinite(t + H)) REFUSE("%s: the step from t = %g s by %g s has no end", __func__, t, H);
 
     /* a master's own way to count time shows as rounding */
     double slack = 1e-6*H + 16*DBL_EPSILON*fabs(time);
     if (!(fabs(t - time) <= slack))
         REFUSE("%s: the communication point is t = %.17g s, this FMU is at t = %.17g s", __func__,
                t, time);
+    if (!isfinite(t + H)) REFUSE("%s: the step from t = %g s by %g s has no end", __func__, t, H);
     if (t + H > stop + slack)
         REFUSE("%s: the step ends at t = %.9g s, after the stop time %.9g s", __func__, t + H,
                stop);

@@ -21,8 +21,9 @@
 
 #define N_DERIVATIVE 6
 
-/* notices of a step that are events in the log (status.py); others are warnings */
-enum { STIFF = 10, NOT_STIFF = 11 };
+/* of status.py: notices of a step that are events in the log (others are warnings), and a failure that is of
+   single values */
+enum { STIFF = 10, NOT_STIFF = 11, OUTPUT_NOT_FINITE = 13 };
 
 #define MOST_NOTICES 16
 #define N_HEAD_OF_STATE (3 + 3*MOST_NOTICES)

@@ -131,4 +131,7 @@ def _mode(target):
 
 def _named(error, path):
     """The error as one of the file that the user named."""
+    if error.errno is None:
+        return type(error)(f"{path}: {error}")
+
     return type(error)(error.errno, error.strerror, str(path))

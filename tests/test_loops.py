@@ -158,9 +158,9 @@ def test_couplings_against_differences(formulation):
             Instance(compile_scene(with_solver(case, formulation=formulation))) for case in (scene | {"coupling": {}}, scene)
         )
         evaluate(free)
-        n = free.m.n_q
-        x, a = free.d.x, free.d.x_rate[n:].copy()
-        along, found = slopes(coupled, x[:n].copy(), x[n:].copy(), a)
+        n, end = free.m.n_q, free.m.n_q + free.m.n_v
+        x, a = free.d.x, free.d.x_rate[n:end].copy()
+        along, found = slopes(coupled, x[:n].copy(), x[n:end].copy(), a)
         row = coupled.m.row_kind == rows.COUPLING
         assert np.abs(found[0][row]).max() > 1e-3
         close(along[0][row], found[0][row], 1e-7, 10.0)

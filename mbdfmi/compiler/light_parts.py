@@ -9,6 +9,7 @@ LEAST = 1e-12
 def tell_light_parts(builder):
     """A notice of the lightest part, by its mass or by its least moment of inertia, where constraints have too light ones."""
     reached = {int(node) for column in builder.tables["n_path"].columns.get("path_node", ()) for node in column} - {0}
+    reached -= {builder.tree.home["ground"][0]}
     nodes = [(node.bodies[0], *_matter(builder, node)) for i, node in enumerate(builder.nodes) if i in reached and node.bodies]
 
     for what, unit, least, most in (("mass", "kg", 1, 1), ("inertia", "kg m2", 2, 3)):

@@ -12,10 +12,13 @@ BODY, the second marker's, for a body deep in water: Kirchhoff's equations (Lamb
 All three keep the energy 1/2 V^T A V + what acts on the body. In `tree` it is part of the body's inertia (I, H, M), about the origin.
 """
 
+from numba.types import void
+
 from . import algebra as al
 from . import forces, markers
 from .forces import BODY, FIRST, HEADING
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
+from .views import DATA, MODEL
 
 
 @inlined
@@ -144,7 +147,7 @@ def bias(m, d, k, I, H, M):
     return al.add(moment, still_moment), al.add(force, still_force)
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def add(m, d):
     """Onto I, H, M and bias wrenches of the bodies."""
     for k in range(m.n_linear):

@@ -10,9 +10,12 @@ rows before them.
 
 import math
 
+from numba.types import boolean, void
+
 from . import algebra as al
 from . import coordinates, joints, markers, rows
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
+from .views import DATA, MODEL
 
 # a row is dropped when what it adds to the rows before it is this small beside its reference (see row_reference): squared
 # sine of an angle. Where a four-bar is singular, 1e-8 costs ten times the energy that this does, and below 1e-10 it is felt
@@ -132,7 +135,7 @@ def is_idle(d, row, everything):
     return d.row_redundant[row] == 1.0 and not everything
 
 
-@kernel
+@apart(void(MODEL, DATA, boolean))
 def reach_rows(m, d, everything):
     """R: whitened responses of the rows, the redundant ones only with `everything`.
 
@@ -380,7 +383,7 @@ def raise_diagonal(m, d):
         d.row_diagonal[row] += d.damping[0] * size
 
 
-@kernel
+@apart(void(MODEL, DATA, boolean))
 def factor_rows(m, d, positional):
     """L D L^T of R R^T, in blocks of constraints that meet (fill included).
 

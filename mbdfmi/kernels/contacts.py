@@ -17,9 +17,12 @@ that is at the contact.
 
 import math
 
+from numba.types import void
+
 from . import algebra as al
 from . import coordinates, curves, markers, surfaces
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
+from .views import DATA, MODEL
 
 ON_CURVE = 0
 CURVES = 1
@@ -202,7 +205,7 @@ def longitude_rate(m, d, k):
     return (e[0] * v[1] - e[1] * v[0]) / square if square > 1e-24 * al.dot(e, e) else 0.0
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def parameter_rates(m, d):
     """s' of all contacts into d.x_rate; needs kinematics."""
     for k in range(m.n_contact):
@@ -335,7 +338,7 @@ def read_sphere(m, d, k):
     d.x[s + 1] = math.atan2(e[2], math.sqrt(e[0] * e[0] + e[1] * e[1]))
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def find_parameters(m, d):
     """s of all contacts from where they are: closest points, common tangents. Needs kinematics."""
     for k in range(m.n_contact):

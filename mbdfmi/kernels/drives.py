@@ -6,9 +6,12 @@ given, hybrid dynamics); one that closes a loop is driven by a row of `rows`.
 
 import math
 
+from numba.types import void
+
 from . import algebra as al
 from . import commands, tables
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
+from .views import DATA, MODEL
 
 # of one coordinate; drive_value:
 CONSTANT_SPEED = 0  # position at the start, speed
@@ -190,7 +193,7 @@ def ground_motion(m, d, k):
     return r, rd, rdd, E, w, alpha
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def prescribe(m, d):
     """Write what drives ask for now into the positions, velocities and accelerations of their joints, which are held."""
     for k in range(m.n_drive):

@@ -6,10 +6,13 @@ articulated-body passes leave: x_rate, the bodies' accelerations, whitened respo
 
 import math
 
+from numba.types import boolean, int64, void
+
 from . import algebra as al
 from . import constraints, joints, markers, rows, tree, virtual
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
 from .status import OK
+from .views import DATA, MODEL
 
 # a body takes part in a motion when it moves at more than this part of the fastest
 MOVES = 1e-6
@@ -18,7 +21,7 @@ MOVES = 1e-6
 SUSPECT = 1e-6
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def factor(m, d):
     """M = L L^T into d.mass_matrix (lower triangle, by rows). Held joints stand apart as if of unit inertia. Returns a status.
 
@@ -207,7 +210,7 @@ def solve_upper(L, n, b):
             b[k] -= L[n * j + k] * value
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def forward(m, d):
     """v' = M^-1 (tau - bias) into d.x_rate, and the bodies' accelerations. Returns a status."""
     failure = factor(m, d)
@@ -268,7 +271,7 @@ def add_jacobian(m, d, row, r, i, moment, force):
         i = m.body_parent[i]
 
 
-@kernel
+@apart(void(MODEL, DATA, boolean))
 def reach_rows(m, d, everything):
     """Rows of C L^-T, each over all velocity coordinates; redundant ones only with `everything`."""
     n = m.n_v

@@ -5,9 +5,12 @@ All need kinematics; `apply` adds to what `inertias` began with weight.
 
 import math
 
+from numba.types import void
+
 from . import algebra as al
 from . import coordinates, gravity, markers, tables
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
+from .views import DATA, MODEL
 
 # axes that damping and added mass of a 6x6 force are given in: the first marker's, those turned about its z axis by the second
 # one's yaw, or the second one's own
@@ -280,7 +283,7 @@ def load_wrench(m, d, k):
     return al.mat_vec(A, moment), al.mat_vec(A, force)
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def apply(m, d):
     """Add all force elements and inputs to tau, moment and force."""
     for v in range(m.n_v):

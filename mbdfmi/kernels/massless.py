@@ -9,7 +9,7 @@ along it, there is no such motion; where nothing does, as about the axis of a ro
 
 import math
 
-from numba.types import void
+from numba.types import int64, void
 
 from . import algebra as al
 from . import constraints, embedding, joints, virtual
@@ -189,7 +189,7 @@ def is_determined(m, d, i):
     return idle < 3 or d.body_m[i] > 0.0
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def give_back(m, d):
     """Accelerations and multipliers of M + E to those of M. Returns a status."""
     for row in range(m.n_row):

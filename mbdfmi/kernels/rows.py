@@ -8,9 +8,12 @@ Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p lev
 point of the first body that is where the second's is.
 """
 
+from numba.types import void
+
 from . import algebra as al
 from . import contacts, coordinates, drives, markers
-from .language import inlined, kernel
+from .language import apart, inlined
+from .views import DATA, MODEL
 
 POINT = 0  # d stays normal to axis i of a
 DOT = 1  # axis i of a stays normal to axis j of b
@@ -169,7 +172,7 @@ def effort_on(m, row, i):
     return effort
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def write_rows(m, d):
     """All rows' wrenches and residuals; needs kinematics."""
     for c in range(m.n_constraint):

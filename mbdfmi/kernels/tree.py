@@ -10,13 +10,16 @@ articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S moti
 Indices: i body, parent its parent.
 """
 
+from numba.types import int64, void
+
 from . import added_mass, holding, joints, virtual
 from . import algebra as al
-from .language import inlined, kernel
+from .language import apart, inlined, kernel
 from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
+from .views import DATA, MODEL
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def kinematics(m, d):
     """Poses, velocities and biases of all bodies from d.x."""
     al.set_vec3(d.r, 0, al.ZERO3)
@@ -52,7 +55,7 @@ def momentum(m, d, i):
     )
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def inertias(m, d):
     """Inertias in inertial axes, velocity-dependent bias wrenches; starts the applied wrench with weight.
 
@@ -201,7 +204,7 @@ def no_inertia(D, i):
     return status(SINGULAR_INERTIA, i) if D == D else status(NOT_FINITE, 0)
 
 
-@kernel
+@apart(int64(MODEL, DATA))
 def aba(m, d):
     """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
 
@@ -413,7 +416,7 @@ def accelerations(m, d):
         al.set_vec3(d.rdd, i, rdd)
 
 
-@kernel
+@apart(void(MODEL, DATA))
 def joint_wrenches(m, d):
     """Wrench on every body through the joint to its parent, about the body's origin, into bias_moment and bias_force.
 

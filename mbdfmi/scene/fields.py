@@ -261,7 +261,7 @@ def as_given(part, key):
     for unit in UNITS:
         value = getattr(part, key + unit, None)
         if value is not None:
-            return f"{show(value)} {unit[1:]}".strip()
+            return f"{value:g} {unit[1:]}".strip()
 
 
 # tables
