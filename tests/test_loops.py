@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from loop_scenes import LOOP, random_loops, with_solver
 from scipy.integrate import solve_ivp
@@ -68,6 +68,9 @@ def test_residuals_stay_at_rounding(seed, loops):
         instance.step(0.3)
         evaluate(instance)
         m, d = instance.m, instance.d
+
+        # rows that are dropped here alone: loops that lock each other, whose rank hangs on rounding
+        assume(not ((d.pivot == 0.0) & (d.row_redundant != 1.0)).any())
         size = max(1.0, np.abs(d.r).max(), np.abs(d.x).max())
         assert np.abs(d.row_gap).max(initial=0.0) < 1e-12 * size
         assert np.abs(d.row_rate).max(initial=0.0) < 1e-11 * size
