@@ -201,8 +201,8 @@ def test_what_is_no_number(options, message):
 @pytest.mark.parametrize(
     "stop, said",
     [
-        ({"lower_deg": 60, "upper_deg": 30}, "found 60.0 deg and 30.0 deg"),
-        ({"lower": 1.5, "upper_deg": 30}, "found 1.5 and 30.0 deg"), ({"lower": 2, "upper": 1}, "found 2.0 and 1.0"),
+        ({"lower_deg": 60, "upper_deg": 30}, "found 60 deg and 30 deg"),
+        ({"lower": 1.5, "upper_deg": 30}, "found 1.5 and 30 deg"), ({"lower": 2, "upper": 1}, "found 2 and 1"),
     ],
 )  # fmt: skip
 def test_a_stop_is_talked_about_as_it_was_written(stop, said):
