@@ -503,7 +503,7 @@ def test_an_fmu_is_the_run_in_process(name, tmp_path):
     slave = Slave(Library(scene.export(tmp_path / "x.fmu"), tmp_path / "x")).start()
     names = [v.name for v in model.of_causality("input")]
     rng = np.random.default_rng(3)
-    t, snapshot = 0.0, None
+    t, snapshot, saved = 0.0, None, None
 
     def compare():
         u = inside.u.reshape(6, -1)

@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from loop_scenes import TREE, pose_table, random_body, random_pose, unit
 from scenes import assert_near, examples
-from scipy.interpolate import BPoly, CubicSpline, make_interp_spline
+from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation
-from test_inverse import four_bar
 
 import mbdfmi
 from mbdfmi import Scene
@@ -18,7 +17,6 @@ from mbdfmi.cli import main
 from mbdfmi.kernels import dynamics, forces, tree
 from mbdfmi.model import compile_scene
 from mbdfmi.simulate import Instance
-from mbdfmi.variables import dotted
 
 ALL_AXES = [0.01] * 3
 TURBINE = Path(mbdfmi.__file__).parents[1] / "models" / "floating_wind_turbine" / "floating_wind_turbine.toml"

@@ -5,7 +5,7 @@ the rate of the total energy is that of what comes from outside (inputs, loads, 
 """
 
 from . import algebra as al
-from . import coordinates, drives, forces, joints, markers, reactions, rows
+from . import coordinates, drives, forces, markers, reactions, rows
 from .language import inlined, kernel
 
 

@@ -2,8 +2,6 @@
 
 import math
 
-import math
-
 from . import algebra as al
 from . import control, forces
 from .language import inlined, kernel
