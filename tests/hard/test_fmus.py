@@ -10,8 +10,8 @@ import pytest
 from fmu_host import DISCARD, ERROR, OK, Instance, Library
 from hard import bars, solvers, start
 from test_jumps import oscillator, random_pieces
-from test_starts import closed, four_bar
 from test_stiff import two_bars_as_one
+from test_violating_starts import closed, four_bar
 
 from mbdfmi import Scene
 from mbdfmi.export import export_fmu
