@@ -102,8 +102,8 @@ def test_energy_and_angular_momentum_over_1000_revolutions(record_property):
         T_drift = max(T_drift, abs(energies(instance)[0] / T0 - 1))
         assert np.linalg.norm(E) == pytest.approx(1.0, abs=1e-15)
 
-    record_property("L_drift", L_drift)
-    record_property("T_drift", T_drift)
+    record_property("L_drift", float(L_drift))
+    record_property("T_drift", float(T_drift))
 
     # about 1e5 steps, each within a tolerance of 1e-13
     assert L_drift < 1e-10

@@ -44,7 +44,7 @@ def test_references_are_reproduced(problem, record_property):
     tight = Setting("tight", {"tolerance": max(LEAST_TOLERANCE, 1e-13 * problem.sharper)}, 0)
     _, table = stepper("rk853").prepare(problem, tight).run()
     error = problem.error(table)
-    record_property("error", error)
+    record_property("error", float(error))
     assert error < REACHED.get(problem.name, 1e-9)
 
 

@@ -10,7 +10,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 # s that one case may take, the first one compiling the kernels
-A_HANG = 300
+A_HANG = 900
 
 
 @pytest.fixture(autouse=True)
