@@ -1,0 +1,271 @@
+"""What drivers ask of a joint, and how the ground moves, as positions, rates and second rates."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .interpolation import Table
+from .reading import axis, dotted, orientation, plane_axes, si
+
+ZERO = np.zeros(3)
+
+# what inputs may tell of the ground, and of a joint
+GROUND = ("position", "velocity", "acceleration", "euler_parameters", "omega", "alpha")
+JOINT = ("position", "speed", "acceleration")
+
+
+class Inputs:
+    """Inputs by variable name: numbers, or arrays whose first axis is the order of the derivative, 0 to 5."""
+
+    def __init__(self, values):
+        self.values = values or {}
+
+    def __call__(self, *names, size=None):
+        """(orders, size) of an input's value and derivatives, at least three; zeros where it is not given. size None: a scalar."""
+        name = dotted(*names)
+        found = self.values.get(name, self.values.get(".".join(names)))
+
+        if found is None and size and f"{name}[1]" in self.values:
+            found = np.stack([np.atleast_1d(np.asarray(self.values[f"{name}[{k + 1}]"], float)) for k in range(size)], axis=-1)
+
+        found = np.zeros(size or 1) if found is None else np.asarray(found, float)
+        found = found.reshape(-1, size or 1)
+        found = np.vstack([found, np.zeros((3, size or 1))])
+        return found if size else found[:, 0]
+
+
+class Driver:
+    """The motion that a driver asks of its joint."""
+
+    def __init__(self, given, name, spec, quantity):
+        self.name, self.spec, self.quantity = name, spec, quantity
+        self.starts_here = any(key in spec for key in ("hold", "speed_table")) or si(spec, "constant_speed") is not None
+
+        if si(spec, "constant_speed") is not None:
+            self.speed = given(si(spec, "constant_speed"), name, "speed_driven")
+        elif wave := spec.get("harmonic", spec.get("harmonics")):
+            self._waves(given, wave)
+        elif "polynomial" in spec:
+            self.powers = given(np.array(si(spec["polynomial"], "coefficients")), name, "driver", "coefficients")
+        elif "ramp" in spec:
+            time, place = spec["ramp"]["time"], si(spec["ramp"], "position")
+            self.ramp = [
+                [given(values[k], name, "driver", f"{what}_{end}") for what, values in (("time", time), (quantity, place))]
+                for k, end in enumerate(("begin", "end"))
+            ]
+        elif table := spec.get("table", spec.get("speed_table")):
+            key = "position" if "table" in spec else "speed"
+            self.table = Table(table.get("interpolation", "smooth"), table["time"], si(table, key), beyond="hold")
+
+    def _waves(self, given, wave):
+        """One wave or several: a parameter of several has indices."""
+        count = np.size(wave["frequency"])
+        many = np.ndim(wave["frequency"]) > 0
+        phases = si(wave, "phase", np.zeros(count) if many else 0.0)
+        columns = {"amplitude": si(wave, "amplitude"), "frequency": wave["frequency"], "phase": phases}
+        columns = {key: given(np.array(value) if many else value, self.name, "driver", key) for key, value in columns.items()}
+        self.mean = given(si(wave, "mean", 0.0), self.name, "driver", "mean")
+        self.waves = np.column_stack([np.atleast_1d(columns[key]) for key in ("amplitude", "frequency", "phase")])
+
+    @property
+    def told(self):
+        """What inputs command: some of JOINT."""
+        told = self.spec.get("input")
+        return () if not told else JOINT if told is True else ["position" if what == "angle" else what for what in told]
+
+    def target(self, t, start, inputs, seen):
+        """(position, rate, second rate) at t. start : (position, time) there; seen : the same three, for what inputs do not tell."""
+        spec = self.spec
+
+        if si(spec, "constant_speed") is not None:
+            return start[0] + self.speed * (t - start[1]), self.speed, 0.0
+
+        if "hold" in spec:
+            return start[0], 0.0, 0.0
+
+        if "harmonic" in spec or "harmonics" in spec:
+            amplitude, frequency, phase = self.waves.T
+            w = 2 * np.pi * frequency
+            swings = [amplitude * w**k * np.sin(w * t + phase + k * np.pi / 2) for k in range(3)]
+            return self.mean + swings[0].sum(), swings[1].sum(), swings[2].sum()
+
+        if "polynomial" in spec:
+            p = np.polynomial.Polynomial(np.atleast_1d(self.powers))
+            return p(t), p.deriv()(t), p.deriv(2)(t)
+
+        if "ramp" in spec:
+            (t0, x0), (t1, x1) = self.ramp
+            s = np.clip((t - t0) / (t1 - t0), 0, 1)
+            way = np.polynomial.Polynomial([0, 0, 0, 10, -15, 6])
+            found = [(x1 - x0) * way.deriv(k)(s) / (t1 - t0) ** k for k in range(3)]
+            return x0 + found[0], found[1], found[2]
+
+        if "table" in spec:
+            return self.table(t)
+
+        if "speed_table" in spec:
+            speed, slope, _ = self.table(t)
+            return start[0] + self.table.integral(start[1], t), speed, slope
+
+        return self._commanded(inputs, seen)
+
+    def _commanded(self, inputs, seen):
+        """What is told holds exactly; the rest is as seen, or the derivative of the last thing told."""
+        names = {"position": self.quantity}
+        found = []
+
+        for k, what in enumerate(JOINT):
+            if what in self.told:
+                last = inputs(self.name, f"{names.get(what, what)}_command")
+                found.append(last[0])
+                order = 0
+            else:
+                order += 1
+                found.append(seen[k] if seen[k] is not None else last[order])
+
+        return tuple(found)
+
+
+def rotation_of(E, rate, second):
+    """(A, w, alpha) of Euler parameters of any length and their derivatives: w = 2 Im(E' E^-1)."""
+    size = np.linalg.norm(E)
+    q = E / size
+
+    # of the parameters scaled to unit length
+    q1 = rate / size - q * (q @ rate) / size
+    along = q @ rate / size
+    across = (q1 @ rate + q @ second) / size
+    q2 = second / size - 2 * along * q1 - q * across
+    w = 2 * times_conjugate(q1, q)
+    return Rotation.from_quat(q).as_matrix(), w, 2 * times_conjugate(q2, q)
+
+
+def times_conjugate(p, q):
+    """Vector part of p q*, Euler parameters with the scalar last."""
+    return -p[3] * q[:3] + q[3] * p[:3] - np.cross(p[:3], q[:3])
+
+
+def rotation_of_zyx(angles, rates, seconds):
+    """(A, w, alpha) of yaw, pitch, roll and their derivatives."""
+    turns = [Rotation.from_rotvec(angle * unit) for angle, unit in zip(angles, np.eye(3)[::-1])]
+    A, w, alpha = np.eye(3), np.zeros(3), np.zeros(3)
+
+    for turn, unit, rate, second in zip(turns, np.eye(3)[::-1], rates, seconds):
+        about = A @ unit
+        alpha = alpha + second * about + rate * np.cross(w, about)
+        w = w + rate * about
+        A = A @ turn.as_matrix()
+
+    return A, w, alpha
+
+
+class Ground:
+    """The motion of the ground in the inertial frame: (r, A, v, w, a, alpha) at a time."""
+
+    def __init__(self, spec):
+        self.spec = spec or {}
+
+        if table := self.spec.get("table"):
+            self._tables(table)
+
+    def _tables(self, table):
+        time = np.array(table["time"], float)
+        place = np.array(table.get("position", np.zeros((len(time), 3))), float)
+        angles = si(table, "zyx")
+
+        if table.get("euler_parameters") is not None:
+            E = np.array(table["euler_parameters"], float)
+            E = E / np.linalg.norm(E, axis=1)[:, None]
+        elif angles is not None:
+            E = np.array([Rotation.from_matrix(orientation({"zyx_rad": row})).as_quat() for row in angles])
+        else:
+            E = np.tile([0.0, 0, 0, 1], (len(time), 1))
+
+        # no jumps in sign
+        for k in range(1, len(E)):
+            E[k] *= -1 if E[k] @ E[k - 1] < 0 else 1
+
+        read = table.get("interpolation", "smooth")
+        self.tables = [Table(read, time, column, beyond="hold") for column in np.hstack([place, E]).T]
+
+    @property
+    def told(self):
+        """What inputs command."""
+        told = self.spec.get("input")
+        return () if not told else GROUND if told is True else ["velocity" if what == "speed" else what for what in told]
+
+    def at(self, t, inputs, seen=None):
+        """The motion at t. seen : a motion (r, A, v, w, a, alpha), of which what inputs do not tell is taken."""
+        if "acceleration" in self.spec:
+            a, v, r = (np.array(self.spec.get(key, ZERO), float) for key in ("acceleration", "velocity", "position"))
+            return r + v * t + a * t * t / 2, np.eye(3), v + a * t, ZERO, a, ZERO
+
+        if "rotation" in self.spec:
+            return self._rotation(self.spec["rotation"], t)
+
+        if "orbit" in self.spec:
+            return self._orbit(self.spec["orbit"], t)
+
+        if "table" in self.spec:
+            columns = np.array([table(t) for table in self.tables]).T
+            (r, v, a), E = columns[:, :3], columns[:, 3:]
+            A, w, alpha = rotation_of(*E)
+            return r, A, v, w, a, alpha
+
+        if "input" in self.spec:
+            return self._commanded(inputs, seen)
+
+        return ZERO, np.eye(3), ZERO, ZERO, ZERO, ZERO
+
+    def _rotation(self, spec, t):
+        speed, u = si(spec, "speed"), axis(spec.get("axis", "z"))
+        A = Rotation.from_rotvec((si(spec, "angle", 0.0) + speed * t) * u).as_matrix()
+        point = np.array(spec.get("point", ZERO), float)
+        r, w = point - A @ point, speed * u
+        v = np.cross(w, r - point)
+        return r, A, v, w, np.cross(w, v), ZERO
+
+    def _orbit(self, spec, t):
+        axes = plane_axes(axis(spec.get("normal", "z")))
+        angle = si(spec, "phase", 0.0) + spec["rate"] * t
+        A = axes @ Rotation.from_rotvec([0, 0, angle]).as_matrix()
+        r, w = spec["radius"] * A[:, 0], spec["rate"] * axes[:, 2]
+        v = np.cross(w, r)
+        pointing = spec.get("pointing", True)
+        return r, A if pointing else np.eye(3), v, w if pointing else ZERO, np.cross(w, v), ZERO
+
+    def _commanded(self, inputs, seen):
+        """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told."""
+        told = self.told
+        place = [None if seen is None else seen[k] for k in (0, 2, 4)]
+        turn = [None if seen is None else seen[k] for k in (1, 3, 5)]
+        last = np.zeros((3, 3))
+        order = 0
+
+        for k, what in enumerate(("position", "velocity", "acceleration")):
+            if what in told:
+                last, order = inputs("ground", what, size=3), 0
+                place[k] = last[0]
+            elif place[k] is None:
+                place[k] = last[order]
+            order += 1
+
+        course = None
+
+        if "zyx" in told:
+            course = rotation_of_zyx(*inputs("ground", "zyx", size=3)[:3])
+        elif "euler_parameters" in told:
+            course = rotation_of(*inputs("ground", "euler_parameters", size=4)[:3])
+
+        course = course or (np.eye(3), ZERO, ZERO)
+        turn[0] = course[0]
+        turn[1:] = [course[k] if turn[k] is None else turn[k] for k in (1, 2)]
+
+        if "omega" in told:
+            omega = inputs("ground", "omega", size=3)
+            turn[1] = omega[0]
+            turn[2] = omega[1] if seen is None else turn[2]
+
+        if "alpha" in told:
+            turn[2] = inputs("ground", "alpha", size=3)[0]
+
+        return place[0], turn[0], place[1], turn[1], place[2], turn[2]

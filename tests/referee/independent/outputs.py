@@ -1,0 +1,304 @@
+"""What can be told of an instant, by the variables' names."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .reading import dotted
+
+# by how much what is told may change along what the equations leave open, as a part of its size
+OPEN = 1e-6
+
+
+def tell(system, now):
+    """Outputs by name; those that the equations leave open, as reactions of redundant joints, are left out."""
+    told = _told(system, now, now.x)
+
+    if now.undecided is not None:
+        other = _told(system, now, now.undecided)
+        told = {name: value for name, value in told.items() if _same(value, other[name])}
+
+    return told | {"constraint residuals": now.residuals, "constraint rates": now.rates}
+
+
+def _same(value, other):
+    """Whether the other solution tells the same."""
+    return np.abs(np.subtract(value, other)).max(initial=0.0) <= OPEN * (1.0 + np.abs(value).max(initial=0.0))
+
+
+def _told(system, now, x):
+    """All outputs for accelerations and multipliers x."""
+    told = {}
+    n = len(now.bias)
+    acceleration, multipliers = x[:n], x[n:]
+    seen = Motions(system, now, acceleration)
+
+    for body, table in system.data.get("body", {}).items():
+        for path in ((body,), *((body, marker) for marker in table.get("marker", {}))):
+            _tell_marker(told, seen, now, path)
+
+    for name, joint in system.joints.items():
+        _tell_joint(told, system, now, seen, joint, acceleration, multipliers)
+
+    for name in system.couplings:
+        multiplier = multipliers[now.rows_of["coupling", name][0]]
+        told[dotted(name, "efforts")] = multiplier * np.array([-system.couplings[name].ratio, 1.0])
+
+    for e in system.elements.values():
+        _tell_element(told, now, e, seen)
+
+    for name, measure in system.data.get("measure", {}).items():
+        _tell_measure(told, seen, now, name, measure["between"])
+
+    _tell_scene(told, system, now, seen, acceleration, multipliers)
+    return told
+
+
+class Motions:
+    """Frames with their accelerations, and one seen from another."""
+
+    def __init__(self, system, now, acceleration):
+        self.system, self.now = system, now
+        self.acceleration = {owner: acceleration[place] for owner, place in system.place.items()}
+        self.acceleration["inertial"] = np.zeros(6)
+
+    def of(self, end):
+        """(r, A, v, w, a, alpha) of a frame, inertial axes."""
+        r, A, v, w = self.now.frame(end)
+        owner, position, _ = self.system.end(end)
+        a, alpha = np.split(self.acceleration[owner], 2)
+
+        if owner != "inertial":
+            arm = self.now.motions[owner][1] @ position
+            a = a + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+
+        return r, A, v, w, a, alpha
+
+    def relative(self, first, second):
+        """The same of the second frame seen from the first, in the first one's axes."""
+        (r1, A1, v1, w1, a1, alpha1), (r2, A2, v2, w2, a2, alpha2) = self.of(first), self.of(second)
+        d = r2 - r1
+        v = v2 - v1 - np.cross(w1, d)
+        a = a2 - a1 - np.cross(alpha1, d) - np.cross(w1, np.cross(w1, d)) - 2 * np.cross(w1, v)
+        alpha = alpha2 - alpha1 - np.cross(w1, w2)
+        return A1.T @ d, A1.T @ A2, A1.T @ v, A1.T @ (w2 - w1), A1.T @ a, A1.T @ alpha
+
+
+def zyx(A):
+    """Yaw, pitch, roll of A = Rz Ry Rx."""
+    return np.array([np.arctan2(A[1, 0], A[0, 0]), np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])), np.arctan2(A[2, 1], A[2, 2])])
+
+
+def zyx_rate(A, w):
+    """Their rates: w = yaw' z + pitch' y after the yaw + roll' x of the frame."""
+    yaw = np.arctan2(A[1, 0], A[0, 0])
+    return np.linalg.solve(np.column_stack([[0, 0, 1], [-np.sin(yaw), np.cos(yaw), 0], A[:, 0]]), w)
+
+
+def euler_parameters(A, hint):
+    """Scalar last, of the hint's sign."""
+    E = Rotation.from_matrix(A).as_quat()
+    return -E if (E[3] < 0 if hint is None else E @ hint < 0) else E
+
+
+def _put(told, name, values):
+    """Several outputs of one name."""
+    for output, value in values.items():
+        told[f"{name}.{output}"] = value
+
+
+def _pose(motion, hint):
+    """What a pose and its motion are told by."""
+    r, A, v, w, a, alpha = motion
+    values = {"position": r, "euler_parameters": euler_parameters(A, hint), "zyx": zyx(A), "velocity": v, "omega": w}
+    values |= {"acceleration": a, "alpha": alpha}
+
+    if np.hypot(A[0, 0], A[1, 0]) > 1e-6:
+        values["zyx_rate"] = zyx_rate(A, w)
+
+    return values
+
+
+def _tell_marker(told, seen, now, path):
+    motion = seen.of(".".join(path))
+    _put(told, dotted(*path), _pose(motion, now.hints(*path, "euler_parameters")))
+    own = {"velocity": motion[2], "acceleration": motion[4], "omega": motion[3], "alpha": motion[5]}
+    _put(told, dotted(*path), {f"{key}_body": motion[1].T @ value for key, value in own.items()})
+
+
+def _tell_measure(told, seen, now, name, ends):
+    r, A, v, *_ = motion = seen.relative(*ends)
+    values = _pose(motion, now.hints(name, "euler_parameters"))
+    del values["alpha"]
+    distance = np.linalg.norm(r)
+    values |= {"distance": distance, "distance_rate": r @ v / distance if distance else 0.0}
+    values["angle"] = np.arctan2(np.hypot(*A[:2, 2]), A[2, 2])
+    _put(told, dotted(name), values)
+
+
+def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
+    name = dotted(joint.name)
+    motion = seen.relative(*joint.ends)
+
+    if joint.kind in ("spherical", "free"):
+        values = _pose(motion, now.hints(joint.name, "euler_parameters"))
+        _put(told, name, values)
+
+    groups = {}
+
+    for k, (position, rate, _) in enumerate(joint.coordinates):
+        groups.setdefault(position, []).append(now.q[joint.name][k])
+        groups.setdefault(rate, []).append(now.rate[joint.name][k])
+
+    _put(told, name, {key: values[0] if len(values) == 1 else np.array(values) for key, values in groups.items()})
+
+    if joint.name in system.contacts:
+        pick = (lambda values: values[0]) if system.contacts[joint.name].count == 1 else np.array
+        told[f"{name}.s"], told[f"{name}.s_rate"] = pick(now.s[joint.name]), pick(now.s_rate[joint.name])
+
+    along = 0.0
+
+    if joint.parts:
+        _, _, bias, J = now.values["coordinates", joint.name]
+        told[f"{name}.acceleration"] = J[0] @ acceleration + bias[0]
+        efforts = dict(now.efforts[joint.name])
+
+        if joint.driver:
+            along = efforts["driver"] = multipliers[now.rows_of["driver", joint.name][0]]
+            told[f"{name}.effort"] = along
+
+        _put(told, name, {f"{part}_effort": effort for part, effort in efforts.items()})
+        told[f"{name}.power"] = sum(efforts.values()) * now.rate[joint.name][0]
+
+    _tell_reaction(told, system, now, joint, along, multipliers)
+
+
+def _tell_reaction(told, system, now, joint, driven, multipliers):
+    """The wrench of all that is in the joint on its second marker, in the first one's axes and in its own."""
+    first, second = joint.ends
+    owner = second.partition(".")[0]
+
+    if owner in (first.partition(".")[0], "inertial") or joint.kind == "free":
+        return
+
+    rows = now.rows_of.get(joint.name, [])
+    wrench = now.C[rows].T @ multipliers[rows] + now.inside[joint.name]
+    J = now.values["coordinates", joint.name][3]
+
+    if joint.parts:
+        wrench = wrench + J[0] * (driven + _coupled(system, now, joint.name, multipliers))
+
+    force, moment = np.split(wrench[system.place[owner]], 2)
+    (_, A1, _, _), (r2, A2, _, _) = (now.frame(end) for end in joint.ends)
+    moment = moment - np.cross(r2 - now.motions[owner][0], force)
+    name = dotted(joint.name)
+    _put(told, name, {"reaction_force": A1.T @ force, "reaction_moment": A1.T @ moment})
+    _put(told, name, {"reaction_force_body": A2.T @ force, "reaction_moment_body": A2.T @ moment})
+
+
+def _coupled(system, now, joint, multipliers):
+    """Effort of couplings along a joint's coordinate."""
+    effort = 0.0
+
+    for name, coupling in system.couplings.items():
+        multiplier = multipliers[now.rows_of["coupling", name][0]]
+        effort += sum(
+            multiplier * factor for other, factor in zip(coupling.between, (-coupling.ratio, 1.0)) if other == joint
+        )
+
+    return effort
+
+
+def _tell_element(told, now, e, seen):
+    name = dotted(e.name)
+
+    if e.kind == "load":
+        told[f"{name}.power"] = e.now
+    elif e.kind == "spring_damper":
+        length, rate, parts = e.now
+        values = dict(zip(("spring_force", "damper_force", "input_force"), parts))
+        values = values | {"length": length, "rate": rate, "tension": sum(parts), "power": -sum(parts) * rate}
+
+        if not e.has_input:
+            values["force"] = values["tension"]
+            del values["input_force"]
+
+        _put(told, name, values)
+    else:
+        force, moment, moved, rate = e.now
+        values = {"force": force, "moment": moment, "displacement": moved[:3], "rotation": moved[3:]}
+        _put(told, name, values | {"power": force @ rate[:3] + moment @ rate[3:]})
+
+
+def _tell_scene(told, system, now, seen, acceleration, multipliers):
+    """Energies, powers, momenta, the ground's reaction."""
+    kinetic = gravity = spring = 0.0
+    linear, angular, centre, total = np.zeros(3), np.zeros(3), np.zeros(3), 0.0
+
+    for name, (mass, com, inertia) in system.mass.items():
+        if not _moves(system, name):
+            continue
+
+        r, A, v, w = now.motions[name][:4]
+        place, speed = r + A @ com, v + np.cross(w, A @ com)
+        spin = A @ inertia @ A.T @ w
+        kinetic += (mass * speed @ speed + w @ spin) / 2
+        gravity -= mass * system.gravity @ place + (system.mu * mass / np.linalg.norm(place) if system.mu else 0.0)
+        linear = linear + mass * speed
+        angular = angular + np.cross(place, mass * speed) + spin
+        centre, total = centre + mass * place, total + mass
+
+    for e in system.elements.values():
+        if e.kind == "spring_damper":
+            spring += e.spring.energy(e.now[0])
+        elif e.kind != "load":
+            spring += e.energy(e.now[2])
+
+            if e.adds:
+                A, _ = e.mass_now
+                momentum = A @ e.now[3]
+                kinetic += e.now[3] @ momentum / 2
+                axes, place = now.frame(e.ends[0])[1], now.frame(e.ends[1])[0]
+                p, L = axes @ momentum[:3], axes @ momentum[3:]
+                linear, angular = linear + p, angular + np.cross(place, p) + L
+
+    for name, joint in system.joints.items():
+        if joint.parts:
+            spring += joint.parts.energy(now.q[name][0])
+
+    ground = _on_ground(now, acceleration, multipliers)
+    _, A, v, w, *_ = now.motions["ground"]
+    told["ground.reaction_force"], told["ground.reaction_moment"] = A.T @ ground[:3], A.T @ ground[3:]
+    driven = -ground @ np.concatenate([v, w])
+
+    for name, joint in system.joints.items():
+        if joint.driver:
+            driven += multipliers[now.rows_of["driver", name][0]] * now.rate[name][0]
+
+    told |= {"kinetic_energy": kinetic, "gravity_energy": gravity, "spring_energy": spring}
+    told |= {"potential_energy": gravity + spring, "total_energy": kinetic + gravity + spring}
+    told |= {"linear_momentum": linear, "angular_momentum": angular}
+    told |= {"center_of_mass": centre / total} if total else {}
+    told |= {"input_power": now.input_power, "load_power": now.load_power, "dissipated_power": now.dissipated}
+    told["driver_power"] = driven
+
+
+def _on_ground(now, acceleration, multipliers):
+    """Force and moment about its origin on the ground: joints, forces, added mass."""
+    on = now.pull + now.C.T @ multipliers - now.M @ acceleration - now.bias
+    return on[:6]
+
+
+def _moves(system, body):
+    """Whether a body moves: not where it is fixed to a ground that stands still, directly or through others."""
+    if system.ground.spec:
+        return True
+
+    fixed, waiting = {"ground"}, True
+
+    while waiting:
+        pairs = [{end.partition(".")[0] for end in j.ends} for j in system.joints.values() if j.kind == "fixed"]
+        more = {owner for pair in pairs if pair & fixed for owner in pair} - fixed
+        fixed |= more
+        waiting = bool(more)
+
+    return body not in fixed

@@ -1,0 +1,67 @@
+"""A scene that tells all that it can: every output of every part."""
+
+import copy
+
+MARKER = [
+    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body",
+    "acceleration_body", "omega_body", "alpha_body",
+]  # fmt: skip
+MEASURE = [
+    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega",
+]
+REACTIONS = ["reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body"]
+PARTS = ("spring", "damper", "friction", "stop", "input", "driver")
+SCENE = [
+    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power", "load_power",
+    "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap",
+    "constraint_rate",
+]  # fmt: skip
+JOINT = {
+    "revolute": ["angle", "speed", "acceleration", "power"],
+    "prismatic": ["position", "speed", "acceleration", "power"],
+    "cylindrical": ["position", "speed", "angle", "angular_speed"],
+    "screw": ["position", "speed", "angle", "angular_speed"],
+    "universal": ["angles", "speeds"],
+    "spherical": ["euler_parameters", "zyx", "zyx_rate", "omega", "alpha"],
+    "planar": ["position", "angle", "velocity", "angular_speed"],
+    "translation": ["position", "velocity"],
+    "free": ["position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"],
+    "point_on_curve": ["s", "s_rate"],
+    "curve_on_curve": ["s", "s_rate"],
+    "point_on_surface": ["s", "s_rate"],
+}
+SIX = ["force", "moment", "displacement", "rotation", "power"]
+
+
+def all_told(data):
+    """The scene, a dict as of its TOML file, with every output in it."""
+    data = copy.deepcopy(data)
+    data["output"] = SCENE
+    data.setdefault("ground", {})["output"] = ["reaction_force", "reaction_moment"]
+
+    for body in data["body"].values():
+        for frame in (body, *body.get("marker", {}).values()):
+            frame["output"] = MARKER
+
+    for joint in data.get("joint", {}).values():
+        kind = next((kind for kind in JOINT if kind in joint), None)
+        joint["output"] = JOINT.get(kind, []) + (REACTIONS if kind != "free" else [])
+
+        if kind in ("revolute", "prismatic"):
+            joint["output"] = joint["output"] + [f"{part}_effort" for part in PARTS if joint.get(part)]
+            joint["output"] += ["effort"] if joint.get("driver") else []
+
+    for coupling in data.get("coupling", {}).values():
+        coupling["output"] = ["efforts"]
+
+    for force in data.get("force", {}).values():
+        force["output"] = ["power"] if "load" in force else SIX
+
+        if "spring_damper" in force:
+            force["output"] = ["length", "rate", "tension", "spring_force", "damper_force", "power"]
+            force["output"] = force["output"] + (["input_force"] if force.get("input") else ["force"])
+
+    for measure in data.get("measure", {}).values():
+        measure["output"] = MEASURE
+
+    return data
