@@ -179,7 +179,17 @@ def _scene(dice, taste, seed):
     couplings = {name: table | teller.output(["efforts"]) for name, table in mechanism.coupling.items()}
     loads = {name: table | teller.force(table) for name, table in drawn.items()}
     data |= {key: table for key, table in (("coupling", couplings), ("force", loads), ("measure", measures)) if table}
+    data = _plain(data)
     return data if _fits(data, mechanism, dice) else None
+
+
+def _plain(value):
+    """A value as tomllib would give it: numpy's numbers as Python's."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _gravity(dice, taste):

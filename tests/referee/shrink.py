@@ -7,14 +7,17 @@ true; `toml(data)` writes it. Scenes that are not valid do not fail. Everything 
 import copy
 
 from mbdfmi import Scene, SceneError
+from mbdfmi.scene import writer
 
 TABLES = ("measure", "force", "coupling", "joint", "body")
 ENDS = ("between", "on")
 
 
 def toml(data: dict) -> str:
-    """A valid scene as the text of a TOML file."""
-    return Scene.model_validate(data).to_toml()
+    """A scene as the text of a TOML file, written as it is: `tomllib` gives the same dict back."""
+    lines = []
+    writer._write_table(lines, [], data)
+    return "\n".join(lines).lstrip("\n") + "\n"
 
 
 def shrink(data: dict, fails, tries: int = 1000) -> dict:
