@@ -470,6 +470,30 @@ def test_measures_by_hand(everything_model):
     assert_near(found["m.distance_rate"], rate, 1e-14)
 
 
+@pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
+@pytest.mark.parametrize("field", [{"gravity": [1, -2, -9]}, {"central_gravity": {"mu": 4.0}}])
+def test_all_bodies_count_whatever_is_asked_for(formulation, field):
+    """A body that is fixed to the ground has weight and a place too, also where its joint's reactions are asked for."""
+    body = {"mass": 2.0, "inertia": [1, 1, 1], "com": [0, 0, 1.0]}
+    data = {
+        "name": "welded",
+        "output": ["center_of_mass", "gravity_energy", "total_energy"],
+        "solver": {"formulation": formulation},
+        "ground": {"marker": {"m": {"position": [0.5, 0, 0]}}},
+        "body": {"still": body, "turns": body | {"mass": 1.0, "com": [0, 3.0, 0]}},
+        "joint": {"weld": {"fixed": {}, "between": ["ground.m", "still"]}, "hinge": {"revolute": {}, "between": ["ground", "turns"]}},
+    } | field
+    r, R = np.array([0.5, 0, 1.0]), np.array([0, 3.0, 0])
+    mu, g = field.get("central_gravity", {"mu": 0.0})["mu"], np.array(field.get("gravity", [0, 0, 0]))
+    energy = -2 * g @ r - g @ R - mu * (2 / np.linalg.norm(r) + 1 / np.linalg.norm(R))
+
+    for told in ({}, {"output": ["reaction_force"]}):
+        data["joint"]["weld"] |= told
+        found = named_outputs(Instance(compile_scene(Scene(**data))))
+        assert_near(found["center_of_mass"], (2 * r + R) / 3, 1e-14)
+        assert_near([found["gravity_energy"], found["total_energy"]], energy, 1e-13)
+
+
 @examples
 @given(trees(floating=True, added_mass=False))
 def test_momentum_is_kept_without_the_world(case):

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mbdfmi import Scene, SceneError, cli, load
+from mbdfmi.model import compile_scene
 from mbdfmi.results import Results
 from mbdfmi.scene import parse_scene, variable_name
+from mbdfmi.simulate import Instance
 
 MODELS = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
 AXES = [0.01] * 3
@@ -268,3 +270,20 @@ def test_point_masses():
 def test_results_keep_to_mapping():
     results = Results({"time": np.zeros(1), "'a b'.x": np.ones(1)}, {})
     assert results["a b.x"][0] == 1 and "nothing" not in results and 3 not in results
+
+
+@pytest.mark.parametrize(
+    "kind, start, notice",
+    [
+        ("universal", {"angles": {"first": 90.0}}, "[joint.j] start.angles.first: 90.0 is in rad"),
+        ("translation", {"position": {"x": 30.0}}, None),
+        ("free", {"position": {"z": 90.0}, "omega_body": {"x": 90.0}}, None),
+    ],
+)
+def test_vectors_written_in_part_are_looked_at(kind, start, notice):
+    options = {"axes": ["x", "y"]} if kind == "universal" else {}
+    joint = {kind: options, "between": ["ground", "b"], "start": start}
+    scene = Scene(name="part", solver={"absolute_tolerance": 0.01}, body={"b": {"mass": 1, "inertia": AXES}}, joint={"j": joint})
+    found = [text for text in scene.notices if text.startswith("[joint.j]")]
+    assert len(found) == (notice is not None) and all(text.startswith(notice) for text in found)
+    assert Instance(compile_scene(scene)).notices[: len(scene.notices)] == scene.notices

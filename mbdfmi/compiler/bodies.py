@@ -49,7 +49,7 @@ SCENE_OUTPUTS = {
         "kg.m2/s",
         "angular momentum about the inertial origin, that of added mass included",
     ),
-    "center_of_mass": (outputs.CENTER_OF_MASS, "m", "centre of mass of the bodies that move"),
+    "center_of_mass": (outputs.CENTER_OF_MASS, "m", "centre of mass of all bodies"),
     "input_power": (outputs.INPUTS_POWER, "W", "power of all inputs that are efforts, forces or moments"),
     "load_power": (outputs.LOADS_POWER, "W", "power of all loads"),
     "driver_power": (outputs.DRIVES_POWER, "W", "power of all drivers and of what moves the ground"),

@@ -26,12 +26,11 @@ def add_central_weight(m, d):
 
 @inlined
 def central_energy(m, d):
-    """Its potential energy (J), zero at infinity; of the bodies that move."""
+    """Its potential energy (J), zero at infinity, of all bodies."""
     energy = 0.0
 
     for c in range(m.n_central):
         for k in range(m.n_solid):
-            if m.solid_body[k] > 0:
-                energy -= m.central_mu[c] * m.solid_mass[k] / al.norm(solid_com(m, d, k))
+            energy -= m.central_mu[c] * m.solid_mass[k] / al.norm(solid_com(m, d, k))
 
     return energy

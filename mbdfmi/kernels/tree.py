@@ -519,9 +519,9 @@ def kinetic_energy(m, d):
 
 @kernel
 def gravity_energy(m, d):
-    """Potential energy (J) of weight, zero at the origin of O."""
+    """Potential energy (J) of the weight of all bodies, those that stand still too, zero at the origin of O."""
     g = al.vec3(m.gravity, 0)
-    energy = 0.0
+    energy = -al.dot(g, al.vec3(d.body_h, 0))
 
     for i in range(1, m.n_body):
         energy -= d.body_m[i] * al.dot(g, al.vec3(d.r, i)) + al.dot(g, al.vec3(d.h, i))
@@ -552,9 +552,9 @@ def total_momentum(m, d):
 
 @kernel
 def center_of_mass(m, d):
-    """Centre of mass (m, in O) of all bodies that move."""
-    mass = 0.0
-    moment = al.ZERO3
+    """Centre of mass (m, in O) of all bodies, those that stand still too."""
+    mass = d.body_m[0]
+    moment = al.vec3(d.body_h, 0)
 
     for i in range(1, m.n_body):
         mass += d.body_m[i]

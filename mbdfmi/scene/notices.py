@@ -25,11 +25,14 @@ def far_angles(scene):
             if f"{key}_deg" not in type(part).model_fields or "speed" in key or value is None:
                 continue
 
-            values = value if isinstance(value, tuple) else (value,)
-            if len(values) <= 2 and any(abs(v) > 2 * pi and 2 * v == round(2 * v) for v in values):
-                turns = ", ".join(f"{v / (2 * pi):.3g}" for v in values)
-                text = f"{show(value)} is in rad, {turns} full turns; for degrees write {key}_deg = {show(value)}"
-                yield Problem((*path, key), text)
+            for name, one in value.items() if isinstance(value, dict) else [(None, value)]:
+                values = _numbers(one)
+
+                if len(values) <= 2 and any(abs(v) > 2 * pi and 2 * v == round(2 * v) for v in values):
+                    turns = ", ".join(f"{v / (2 * pi):.3g}" for v in values)
+                    degrees = f"{{ {name} = {show(one)} }}" if name else show(one)
+                    text = f"{show(one)} is in rad, {turns} full turns; for degrees write {key}_deg = {degrees}"
+                    yield Problem((*path, key, *([name] if name else [])), text)
 
 
 def far_sizes(scene):
@@ -140,6 +143,13 @@ def _parts(holder, path=()):
         yield from _parts(value, (*path, key))
 
 
+def _numbers(value):
+    """The numbers of a quantity that was written as one, as a vector, or in part as a table of components."""
+    if isinstance(value, dict):
+        return tuple(value.values())
+    return value if isinstance(value, tuple) else (value,)
+
+
 def _body_size(body):
     """m, how far a body's centre of mass, markers and solids reach from its origin or across."""
     reaches = [hypot(*body.com), *(hypot(*marker.position) for marker in body.marker.values())]
@@ -158,8 +168,7 @@ def _scene_size(scene):
     lengths += [hypot(*marker.position) for marker in scene.ground.marker.values()]
 
     for joint in scene.joint.values():
-        place = getattr(getattr(joint, "start", None), "position", 0.0)
-        lengths.append(hypot(*place) if isinstance(place, tuple) else abs(place))
+        lengths.append(hypot(*_numbers(getattr(getattr(joint, "start", None), "position", 0.0))))
         lengths.append(getattr(joint.options, "radius", None) or 0.0)
 
     for _, force in scene.force.items():
