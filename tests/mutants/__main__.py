@@ -1,0 +1,131 @@
+"""`python -m tests.mutants`: breaks lines drawn by a seed and lists those that no test notices."""
+
+import argparse
+import json
+import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import SimpleQueue
+
+from rich.console import Console
+from rich.table import Table
+
+from . import reach
+from .draw import draw, name_of
+from .equivalent import argument
+from .hunt import BY_TIME, CAUGHT, Copy, Verdict, hunt
+
+EQUAL = "equivalent"
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kernels", type=int, default=40, metavar="N", help="mutants of mbdfmi/kernels")
+    parser.add_argument("--compiler", type=int, default=10, metavar="N")
+    parser.add_argument("--scene", type=int, default=10, metavar="N")
+    parser.add_argument("--only", metavar="TEXT", help="those that have this in their names")
+    parser.add_argument("--list", action="store_true", help="list the mutants, run nothing")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="keep what came of each mutant there, and go on from it")
+    parser.add_argument("--again", action="store_true", help="with --resume: try the survivors again")
+    parser.add_argument("--jobs", type=int, default=1)
+    options = parser.parse_args()
+    console = Console(soft_wrap=True)
+    mutants = draw(options.seed, {part: getattr(options, part) for part in reach.PARTS})
+    mutants = [mutant for mutant in mutants if options.only is None or options.only in name_of(mutant)]
+
+    if options.list:
+        for mutant in mutants:
+            show(console, mutant)
+        return 0
+
+    by_line, times = reach.tests_by_line(lambda name: console.print(f"[dim]lines that {name} reaches"))
+    verdicts = known(options.resume, options.again)
+    copies = SimpleQueue()
+
+    def judge(mutant):
+        if name_of(mutant) in verdicts:
+            return verdicts[name_of(mutant)]
+
+        if argument(mutant):
+            return Verdict(EQUAL)
+
+        copy = copies.get()
+
+        try:
+            return hunt(mutant, copy, by_line, times)
+        finally:
+            copies.put(copy)
+
+    with ThreadPoolExecutor(options.jobs) as pool:
+        opened = [Copy().__enter__() for _ in range(options.jobs)]
+
+        try:
+            for copy in opened:
+                copies.put(copy)
+
+            for mutant, verdict in zip(mutants, pool.map(judge, mutants)):
+                verdicts[name_of(mutant)] = verdict
+                keep(options.resume, verdicts)
+                console.print(f"{name_of(mutant)}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s")
+        finally:
+            for copy in opened:
+                copy.__exit__()
+
+    return report(console, mutants, verdicts, times)
+
+
+def known(file, again):
+    """Verdicts by name that a file holds."""
+    if file is None or not file.exists():
+        return {}
+
+    found = {name: Verdict(**verdict) for name, verdict in json.loads(file.read_text()).items()}
+    return {name: v for name, v in found.items() if not again or v.outcome in (CAUGHT, BY_TIME)}
+
+
+def keep(file, verdicts):
+    """Write all verdicts to a file."""
+    if file is not None:
+        file.write_text(json.dumps({name: vars(verdict) for name, verdict in verdicts.items()}, indent=1))
+
+
+def show(console, mutant):
+    """A mutant in three lines."""
+    console.print(f"[bold]{name_of(mutant)}[/] mbdfmi/{mutant.file}:{mutant.line} {mutant.kind}", highlight=False)
+    console.print(f"    - {mutant.before}\n    + {mutant.after}", markup=False, highlight=False)
+
+
+def report(console, mutants, verdicts, times):
+    """Survivors, figures, and whether the tests that caught mutants pass without them; 1 where less than 95 % are caught."""
+    left = [mutant for mutant in mutants if verdicts[name_of(mutant)].outcome not in (CAUGHT, BY_TIME, EQUAL)]
+    console.rule("survivors")
+
+    for mutant in left:
+        show(console, mutant)
+        console.print(f"    {verdicts[name_of(mutant)].outcome}")
+
+    table = Table("part", "drawn", CAUGHT, BY_TIME, EQUAL, "survived")
+
+    for part in reach.PARTS:
+        outcomes = Counter(verdicts[name_of(m)].outcome for m in mutants if m.file.startswith(part))
+        other = outcomes.total() - outcomes[CAUGHT] - outcomes[BY_TIME] - outcomes[EQUAL]
+        figures = outcomes.total(), outcomes[CAUGHT], outcomes[BY_TIME], outcomes[EQUAL], other
+        table.add_row(part, *map(str, figures))
+
+    console.print(table)
+    killers = {verdicts[name_of(mutant)].by for mutant in mutants} & times.keys()
+
+    with Copy() as copy:
+        if killers and (wrong := copy.first_failure(sorted(killers), times)):
+            console.print(f"[red]{wrong.by} fails on the package as it is: what it caught does not count")
+            return 1
+
+    counted = [mutant for mutant in mutants if verdicts[name_of(mutant)].outcome != EQUAL]
+    console.print(f"{len(counted) - len(left)} of {len(counted)} caught")
+    return int(len(left) > 0.05 * len(counted))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

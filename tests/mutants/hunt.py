@@ -1,0 +1,117 @@
+"""Runs the tests that reach a mutant against it, in a private copy of the package, until one of them fails."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from .operators import Mutant
+from .reach import PACKAGE, ROOT, environment
+
+BATCHES = (3.0, 60.0)
+"""s of tests (timed with every line watched) in each run of pytest: a short one, and one for what passes that."""
+
+CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of a mutant: one of the outcomes above, the test that failed, and s that it took."""
+
+    outcome: str
+    by: str = ""
+    seconds: float = 0.0
+
+
+class Copy:
+    """A copy of package and tests in a temporary folder, where one line at a time is broken."""
+
+    def __enter__(self):
+        self._folder = tempfile.TemporaryDirectory(prefix="mutants-")
+        self.root = Path(self._folder.name)
+        skip = shutil.ignore_patterns("__pycache__", ".*")
+        shutil.copytree(PACKAGE, self.root / "mbdfmi", ignore=skip)
+        shutil.copytree(ROOT / "tests", self.root / "tests", ignore=skip)
+
+        for name in ("models", "docs", "fmu_src", "pyproject.toml", "README.md", "build_fmu.py"):
+            (self.root / name).symlink_to(ROOT / name)
+
+        return self
+
+    def __exit__(self, *_):
+        self._folder.cleanup()
+
+    def write(self, file, text):
+        """Text of a file of the package."""
+        (self.root / "mbdfmi" / file).write_text(text, encoding="utf-8")
+
+    def first_failure(self, tests: list[str], times: dict[str, float]) -> Verdict | None:
+        """The first of `tests` that fails, run in this order; a test gets several times what it took once."""
+        results = self.root / "results.json"
+        results.unlink(missing_ok=True)
+        chosen = self.root / "chosen.json"
+        chosen.write_text(json.dumps({test: 5.0 + 5.0 * times[test] for test in tests}))
+        files = sorted({test.partition("::")[0] for test in tests})
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "tests.mutants.reach"]
+        variables = environment(self.root, MUTANTS_CHOSEN=str(chosen), MUTANTS_RESULTS=str(results))
+        most = 60.0 + 6.0 * sum(times[test] for test in tests)
+        begin = time.perf_counter()
+
+        try:
+            done = subprocess.run(
+                [*command, *files], cwd=self.root, env=variables, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                timeout=most, check=False,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return Verdict(BY_TIME, "the whole run", time.perf_counter() - begin)
+
+        seconds = time.perf_counter() - begin
+
+        if done.returncode == 0:
+            return None
+
+        ran = json.loads(results.read_text()) if results.exists() else {}
+
+        for test, result in ran.items():
+            if result["failed"]:
+                return Verdict(BY_TIME if result.get("slow") else CAUGHT, test, seconds)
+
+        return Verdict(CAUGHT, "importing package and tests", seconds)
+
+
+def reaching(mutant: Mutant, by_line: dict, times: dict[str, float]) -> list[str]:
+    """Tests that reach a mutant, the quickest first."""
+    first, last = mutant.reached_by
+    lines = range(first, last + 1) if last else (line for file, line in by_line if file == mutant.file)
+    found = {test for line in lines for test in by_line.get((mutant.file, line), ())}
+    return sorted(found, key=times.get)
+
+
+def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float]) -> Verdict:
+    """What comes of one mutant."""
+    tests = reaching(mutant, by_line, times)
+
+    if not tests:
+        return Verdict(UNREACHED)
+
+    begin = time.perf_counter()
+    copy.write(mutant.file, mutant.mutated())
+
+    try:
+        for budget in BATCHES:
+            batch = []
+
+            while tests and (not batch or sum(times[test] for test in batch) + times[tests[0]] <= budget):
+                batch.append(tests.pop(0))
+
+            if batch and (found := copy.first_failure(batch, times)):
+                return found
+    finally:
+        copy.write(mutant.file, mutant.source)
+
+    return Verdict(SURVIVED, "", time.perf_counter() - begin)
