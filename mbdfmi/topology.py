@@ -86,8 +86,8 @@ class Tree:
 def spanning_tree(scene: Scene, first=()) -> Tree:
     """The spanning tree that leaves the fewest coordinates: joints of few freedoms are in it, those of many close loops.
 
-    Joints with something of their own (spring, input, output, start, ...) are kept in the tree before others. Nodes come depth first, in
-    the order of the file. first : joints that come into it before all others.
+    Joints with a given start are kept in the tree before others, then those with something of their own (spring, input, output, ...).
+    Nodes come depth first, in the order of the file. first : joints that come into it before all others.
     """
     welded = _weld(scene)
     group_of = {body: k for k, group in enumerate(welded) for body in group}
@@ -181,12 +181,17 @@ FREEDOMS = {
 
 
 def _preference(joint):
-    """Sorts joints for the tree: those with something of their own, then few freedoms, then the file's order."""
-    own = joint.spring or joint.damper or joint.friction or joint.stop or joint.input
-    own = own or any(not name.startswith("reaction") for name in joint.output) or "start" in joint.model_fields_set
-    driven = joint.driver is not None
+    """Sorts joints for the tree: those with given starts, with something of their own, then few freedoms, then the file's order.
+
+    A start value can be held where it is a coordinate of the tree's.
+    """
     freedoms = FREEDOMS[joint.kind]
-    return (not driven, freedoms == 6 and not own, freedoms > 0 and not own, freedoms)
+    moves = freedoms > 0
+    given = any(written is not None for written in (*joint.given_position(), *joint.given_velocity()))
+    own = joint.spring or joint.damper or joint.friction or joint.stop or joint.input
+    own = own or any(not name.startswith("reaction") for name in joint.output) or given
+    driven = joint.driver is not None
+    return (moves and not driven, moves and not given, freedoms == 6 and not own, moves and not own, freedoms)
 
 
 def chain(joint):

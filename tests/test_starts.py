@@ -74,6 +74,45 @@ def test_a_wheel_without_a_start_follows_the_one_with(ratio, turns_of, formulati
 
 
 @formulations
+@pytest.mark.parametrize("joint, angle", [("a", -70), ("b", 100), ("c", 100), ("d", 40), ("d", -70)])
+def test_the_start_of_any_joint_of_a_loop_is_kept(formulation, joint, angle):
+    """Whichever joint of a four-bar has the start, others of its joints close the loop; nothing is moved."""
+    places = {"a": ["ground", "crank"], "b": ["crank.end", "coupler"], "c": ["coupler.end", "rocker"]}
+    places["d"] = ["rocker.end", "ground.far"]
+    joints = {
+        name: {"revolute": {}, "between": ends, "output": ["angle", "speed"], "damper": 0.1} for name, ends in places.items()
+    }
+    joints[joint]["start"] = {"angle_deg": angle, "speed": 0.3}
+    instance, found = start(
+        {
+            "ground": {"marker": {"far": {"position": [2.5, 0, 0]}}},
+            "body": {"crank": bar(2.0), "coupler": bar(3.0), "rocker": bar(2.5)},
+            "joint": joints,
+            "output": ["constraint_gap", "constraint_rate"],
+        },
+        formulation,
+    )
+    assert instance.notices == []
+    assert found[f"{joint}.angle"] == pytest.approx(radians(angle), abs=1e-12)
+    assert found[f"{joint}.speed"] == pytest.approx(0.3, abs=1e-12)
+    assert max(found["constraint_gap"], found["constraint_rate"]) < 1e-9
+
+
+@formulations
+def test_a_free_joints_start_is_kept_beside_a_hinge(formulation):
+    """The free joint's place is that of a hinge turned by 150 deg, which has no start: the hinge follows."""
+    body = BLOCK | {"marker": {"eye": {"position": [0.4, 0, 0]}}}
+    turned = {"axis_angle": {"axis": "z", "angle_deg": 150}}
+    joints = {
+        "hinge": {"revolute": {}, "between": ["ground", "b.eye"], "output": ["angle"]},
+        "seen": {"free": {}, "between": ["ground", "b"], "start": {"position": [-0.4 * cos(5 * pi / 6), -0.2, 0]} | turned},
+    }
+    instance, found = start({"body": {"b": body}, "joint": joints}, formulation)
+    assert instance.notices == []
+    assert found["hinge.angle"] == pytest.approx(radians(150), abs=1e-12)
+
+
+@formulations
 def test_starts_spread_through_a_train_of_gears(formulation):
     """From the one wheel in the middle that has a start to both ends."""
     names = "abcdef"
