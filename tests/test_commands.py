@@ -183,8 +183,9 @@ def turn(t):
         (["euler_parameters"], 1.7),
     ],
 )
-def test_a_free_particle_over_a_ground_that_turns(told, order):
-    """A particle 1 m from the origin stays where it is, though the ground tumbles; signs of E do not matter.
+@pytest.mark.parametrize("beside", ["nothing", "a constraint"])
+def test_a_free_particle_over_a_ground_that_turns(told, order, beside):
+    """A particle 1 m from the origin stays where it is, though the ground tumbles; signs of E and what is beside it do not matter.
 
     Where the angular velocity is not told, the derivatives of the first orientation are: how else should the start be known.
     """
@@ -194,6 +195,12 @@ def test_a_free_particle_over_a_ground_that_turns(told, order):
     scene = moving_ground(told, velocity=list(A.inv().apply(-np.cross(w, place))))
     table = scene.model_dump(exclude_unset=True)
     table["joint"]["t"]["start"]["position"] = list(A.inv().apply(place))
+
+    if beside == "a constraint":
+        table["body"]["hung"] = POINT
+        table["joint"] |= {"hung": {"free": {}, "between": ["ground", "hung"]}}
+        table["joint"] |= {"eye": {"spherical": {}, "between": ["ground", "hung"]}}
+
     worst = []
 
     for H in (0.1, 0.05):

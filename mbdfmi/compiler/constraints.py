@@ -263,4 +263,4 @@ def _add_tables(builder, constraints, paths, meets):
             reach += width
             row += 1
 
-    builder.counts = {"n_reach": reach, "n_factor": block}
+    builder.counts |= {"n_reach": reach, "n_factor": block}
