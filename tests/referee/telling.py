@@ -1,6 +1,7 @@
 """A scene that tells all that it can: every output of every part."""
 
 import copy
+import unicodedata
 
 MARKER = [
     "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body",
@@ -64,4 +65,23 @@ def all_told(data):
     for measure in data.get("measure", {}).values():
         measure["output"] = MEASURE
 
+    return _without_clashes(data)
+
+
+def _without_clashes(data):
+    """Of parts of one name only the first tells what several could."""
+    taken = set()
+
+    for parts in ("body", "joint", "coupling", "force", "measure"):
+        for name, part in data.get(parts, {}).items():
+            known = [unicodedata.normalize("NFKD", name).encode("ascii", "ignore"), name]
+            outputs = [output for output in part["output"] if not any((key, output) in taken for key in known)]
+            taken |= {(key, output) for key in known for output in outputs}
+            part["output"] = outputs
+
+            if not outputs:
+                del part["output"]
+
+    # a measure must tell something
+    data["measure"] = {name: measure for name, measure in data.get("measure", {}).items() if "output" in measure}
     return data

@@ -11,14 +11,16 @@ known as such, and what depends on them is not told.
 
     reading        units, axes, orientations, names; the scene in SI units
     mass           solids to mass properties
-    interpolation  tables between their points
+    interpolation  tables between their points; splines: those of motions
     curves         curves and surfaces by their parameters, with their derivatives
     taylor         frames and equations as functions of time about the present, and what CasADi makes of them
+    contacts       end frames on curves and surfaces
     joints         the equations and the coordinates of each kind of joint
     motion         what drivers and the ground's motion ask for
     efforts        springs, dampers, friction and stops
     elements       forces between two frames, loads, inputs, added mass
-    system         System: all of it together, solved
+    system         System: all of it together
+    instant        its solution at one instant
     outputs        what can be told of a solution
     simulate       a run by scipy, kept on the constraints
 """

@@ -53,20 +53,46 @@ class Contact:
         """Parameters s (count,) of the closest point, or of the common tangent, from `near` on; searched for where that is None."""
         (r1, A1, _, _), (r2, A2, _, _) = pair
         d, R = A1.T @ (r2 - r1), A1.T @ A2
+        if near is not None and (s := self._newton(np.ravel(near), d, R)) is not None:
+            return s
+
         near = self._search(d, R) if near is None else np.ravel(near)
-        return least_squares(lambda s: self._apart(s, d, R), near, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+        found = least_squares(lambda s: self._apart(s, d, R)[0], near, lambda s: self._apart(s, d, R)[1], xtol=1e-15, gtol=1e-15)
+        s = self._newton(found.x, d, R)
+        return found.x if s is None else s
+
+    def _newton(self, s, d, R):
+        """The parameters near s where `_apart` is 0, to rounding; None where that does not lead anywhere near."""
+        for _ in range(12):
+            value, slope = self._apart(s, d, R)
+            step = -np.linalg.lstsq(slope, value, rcond=1e-13)[0]
+            s = s + step
+
+            if np.abs(step).max() <= 1e-14 * (1.0 + np.abs(s).max()):
+                break
+
+        return s if np.abs(step).max() <= 1e-9 * (1.0 + np.abs(s).max()) else None
 
     def _apart(self, s, d, R):
-        """What is 0 at the parameters."""
+        """(what is 0 at the parameters, its Jacobian): distances along the tangents, and the angle between two curves."""
         if self.joint.kind == "curve_on_curve":
-            here, there = (shape.derivatives(s[k]) for k, shape in enumerate(self.shapes))
-            apart = d + R @ there[0] - here[0]
-            t, o = here[1] / np.linalg.norm(here[1]), R @ there[1] / np.linalg.norm(there[1])
-            return np.array([t @ apart, t[0] * o[1] - t[1] * o[0]])
+            here, there = self.shapes[0].derivatives(s[0]), self.shapes[1].derivatives(s[1]) @ R.T
+            apart = d + there[0] - here[0]
+            value = [here[1] @ apart, np.cross(here[1], there[1])[2]]
+            slope = [
+                [here[2] @ apart - here[1] @ here[1], here[1] @ there[1]],
+                [np.cross(here[2], there[1])[2], np.cross(here[1], there[2])[2]],
+            ]
+            return np.array(value), np.array(slope)
 
         D = self.shapes[0].derivatives(*s)
-        tangents = D[1:3] if self.on_surface else D[1:2]
-        return tangents @ (d - D[0]) / np.maximum(np.linalg.norm(tangents, axis=1), 1e-12)
+        e = d - D[0]
+
+        if self.on_surface:
+            second = np.array([[D[3] @ e, D[4] @ e], [D[4] @ e, D[5] @ e]])
+            return D[1:3] @ e, second - D[1:3] @ D[1:3].T
+
+        return np.array([D[1] @ e]), np.array([[D[2] @ e - D[1] @ D[1]]])
 
     def _search(self, d, R):
         """The best of many parameters."""

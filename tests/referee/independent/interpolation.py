@@ -3,6 +3,8 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator, PPoly
 
+from .splines import quintic, smooth
+
 
 def linear(x, y):
     """Straight lines."""
@@ -25,7 +27,9 @@ def cubic(x, y):
     return CubicSpline(x, y, bc_type="not-a-knot")
 
 
-READINGS = {"linear": linear, "steps": steps, "monotone": PchipInterpolator, "cubic": cubic}
+READINGS = {
+    "linear": linear, "steps": steps, "monotone": PchipInterpolator, "cubic": cubic, "quintic": quintic, "smooth": smooth,
+}  # fmt: skip
 
 
 class Table:

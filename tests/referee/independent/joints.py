@@ -103,6 +103,16 @@ def positions(kind, options, pair):
     }.get(kind, [])
 
 
+def is_turned_over(kind, options, R):
+    """Whether R (3, 3), of the second frame in the first, is where the equations are 0 but the frames do not fit: axes the wrong
+    way round, or frames that should be parallel turned by 120 or 180 degrees."""
+    if kind in ("fixed", "prismatic", "translation"):
+        return np.trace(R) < 2.0
+
+    u = joint_axis(kind, options)
+    return kind in ("revolute", "cylindrical", "screw", "planar") and u @ R @ u < 0.0
+
+
 def rolling(kind, options, pair, side):
     """(height of the lowest point over the plane, its slip along x and y) of what rolls on z = 0 of the first frame.
 

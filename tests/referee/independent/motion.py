@@ -33,6 +33,11 @@ class Inputs:
         return found if size else found[:, 0]
 
 
+    def orders(self, *names):
+        """How many of a scalar input's value and derivatives are given."""
+        return np.size(self.values.get(dotted(*names), self.values.get(".".join(names), 0.0)))
+
+
 class Driver:
     """The motion that a driver asks of its joint."""
 
@@ -73,7 +78,10 @@ class Driver:
         return () if not told else JOINT if told is True else ["position" if what == "angle" else what for what in told]
 
     def target(self, t, start, inputs, seen):
-        """(position, rate, second rate) at t. start : (position, time) there; seen : the same three, for what inputs do not tell."""
+        """(position, rate, second rate) at t; None where inputs tell too little.
+
+        start : (position, time) there. seen : the same three, for what inputs do not tell.
+        """
         spec = self.spec
 
         if si(spec, "constant_speed") is not None:
@@ -109,18 +117,19 @@ class Driver:
         return self._commanded(inputs, seen)
 
     def _commanded(self, inputs, seen):
-        """What is told holds exactly; the rest is as seen, or the derivative of the last thing told."""
+        """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told, where these are given."""
         names = {"position": self.quantity}
         found = []
 
         for k, what in enumerate(JOINT):
             if what in self.told:
-                last = inputs(self.name, f"{names.get(what, what)}_command")
-                found.append(last[0])
+                command = self.name, f"{names.get(what, what)}_command"
+                found.append(inputs(*command)[0])
                 order = 0
             else:
                 order += 1
-                found.append(seen[k] if seen[k] is not None else last[order])
+                derivative = inputs(*command)[order] if inputs.orders(*command) > order else None
+                found.append(derivative if seen[k] is None else seen[k])
 
         return tuple(found)
 

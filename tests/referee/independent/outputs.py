@@ -8,6 +8,9 @@ from .reading import dotted
 # by how much what is told may change along what the equations leave open, as a part of its size
 OPEN = 1e-6
 
+# cosine of a pitch at which yaw and roll are hardly told apart
+UPRIGHT = 1e-5
+
 
 def tell(system, now):
     """Outputs by name; those that the equations leave open, as reactions of redundant joints, are left out."""
@@ -33,23 +36,24 @@ def _told(system, now, x):
     seen = Motions(system, now, acceleration)
 
     for body, table in system.data.get("body", {}).items():
-        for path in ((body,), *((body, marker) for marker in table.get("marker", {}))):
-            _tell_marker(told, seen, now, path)
+        for path, spec in (((body,), table), *(((body, key), spec) for key, spec in table.get("marker", {}).items())):
+            _tell_marker(told, seen, now, path, spec)
 
     for name, joint in system.joints.items():
         _tell_joint(told, system, now, seen, joint, acceleration, multipliers)
 
     for name in system.couplings:
         multiplier = multipliers[now.rows_of["coupling", name][0]]
-        told[dotted(name, "efforts")] = multiplier * np.array([-system.couplings[name].ratio, 1.0])
+        efforts = multiplier * np.array([-system.couplings[name].ratio, 1.0])
+        _put(told, dotted(name), {"efforts": efforts}, system.data["coupling"][name])
 
     for e in system.elements.values():
-        _tell_element(told, now, e, seen)
+        _tell_element(told, e, system.data["force"][e.name])
 
     for name, measure in system.data.get("measure", {}).items():
-        _tell_measure(told, seen, now, name, measure["between"])
+        _tell_measure(told, seen, now, name, measure)
 
-    _tell_scene(told, system, now, seen, acceleration, multipliers)
+    _tell_scene(told, system, now, acceleration, multipliers)
     return told
 
 
@@ -83,9 +87,14 @@ class Motions:
         return A1.T @ d, A1.T @ A2, A1.T @ v, A1.T @ (w2 - w1), A1.T @ a, A1.T @ alpha
 
 
-def zyx(A):
-    """Yaw, pitch, roll of A = Rz Ry Rx."""
-    return np.array([np.arctan2(A[1, 0], A[0, 0]), np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])), np.arctan2(A[2, 1], A[2, 2])])
+def zyx(A, near):
+    """Yaw, pitch, roll of A = Rz Ry Rx from -pi to pi, of which either may be told: the one nearer to the hint."""
+    angles = [np.arctan2(A[1, 0], A[0, 0]), np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])), np.arctan2(A[2, 1], A[2, 2])]
+
+    if near is not None:
+        angles = [a + 2 * np.pi * np.round((b - a) / (2 * np.pi)) if abs(b) < 3.2 else a for a, b in zip(angles, near)]
+
+    return np.array(angles)
 
 
 def zyx_rate(A, w):
@@ -100,99 +109,101 @@ def euler_parameters(A, hint):
     return -E if (E[3] < 0 if hint is None else E @ hint < 0) else E
 
 
-def _put(told, name, values):
-    """Several outputs of one name."""
+def _put(told, name, values, table):
+    """Several outputs of one name; of two parts of that name the one whose table asks for the output tells it."""
     for output, value in values.items():
-        told[f"{name}.{output}"] = value
+        key = f"{name}.{output}"
+
+        if key not in told or output in table.get("output", ()):
+            told[key] = value
 
 
-def _pose(motion, hint):
+def _pose(motion, now, *names):
     """What a pose and its motion are told by."""
+    hint, near = now.hints(*names, "euler_parameters"), now.hints(*names, "zyx")
     r, A, v, w, a, alpha = motion
-    values = {"position": r, "euler_parameters": euler_parameters(A, hint), "zyx": zyx(A), "velocity": v, "omega": w}
+    values = {"position": r, "euler_parameters": euler_parameters(A, hint), "velocity": v, "omega": w}
     values |= {"acceleration": a, "alpha": alpha}
 
-    if np.hypot(A[0, 0], A[1, 0]) > 1e-6:
-        values["zyx_rate"] = zyx_rate(A, w)
+    # upright yaw and roll are one
+    if np.hypot(A[0, 0], A[1, 0]) > UPRIGHT:
+        values |= {"zyx": zyx(A, near), "zyx_rate": zyx_rate(A, w)}
 
     return values
 
 
-def _tell_marker(told, seen, now, path):
+def _tell_marker(told, seen, now, path, table):
     motion = seen.of(".".join(path))
-    _put(told, dotted(*path), _pose(motion, now.hints(*path, "euler_parameters")))
     own = {"velocity": motion[2], "acceleration": motion[4], "omega": motion[3], "alpha": motion[5]}
-    _put(told, dotted(*path), {f"{key}_body": motion[1].T @ value for key, value in own.items()})
+    own = {f"{key}_body": motion[1].T @ value for key, value in own.items()}
+    _put(told, dotted(*path), _pose(motion, now, *path) | own, table)
 
 
-def _tell_measure(told, seen, now, name, ends):
-    r, A, v, *_ = motion = seen.relative(*ends)
-    values = _pose(motion, now.hints(name, "euler_parameters"))
+def _tell_measure(told, seen, now, name, table):
+    r, A, v, *_ = motion = seen.relative(*table["between"])
+    values = _pose(motion, now, name)
     del values["alpha"]
     distance = np.linalg.norm(r)
     values |= {"distance": distance, "distance_rate": r @ v / distance if distance else 0.0}
     values["angle"] = np.arctan2(np.hypot(*A[:2, 2]), A[2, 2])
-    _put(told, dotted(name), values)
+    _put(told, dotted(name), values, table)
 
 
 def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
-    name = dotted(joint.name)
-    motion = seen.relative(*joint.ends)
+    values, groups = {}, {}
 
     if joint.kind in ("spherical", "free"):
-        values = _pose(motion, now.hints(joint.name, "euler_parameters"))
-        _put(told, name, values)
-
-    groups = {}
+        values = _pose(seen.relative(*joint.ends), now, joint.name)
 
     for k, (position, rate, _) in enumerate(joint.coordinates):
         groups.setdefault(position, []).append(now.q[joint.name][k])
         groups.setdefault(rate, []).append(now.rate[joint.name][k])
 
-    _put(told, name, {key: values[0] if len(values) == 1 else np.array(values) for key, values in groups.items()})
-
     if joint.name in system.contacts:
-        pick = (lambda values: values[0]) if system.contacts[joint.name].count == 1 else np.array
-        told[f"{name}.s"], told[f"{name}.s_rate"] = pick(now.s[joint.name]), pick(now.s_rate[joint.name])
+        groups |= {"s": now.s[joint.name], "s_rate": now.s_rate[joint.name]}
 
+    values |= {key: group[0] if len(group) == 1 else np.array(group) for key, group in groups.items()}
     along = 0.0
 
     if joint.parts:
         _, _, bias, J = now.values["coordinates", joint.name]
-        told[f"{name}.acceleration"] = J[0] @ acceleration + bias[0]
         efforts = dict(now.efforts[joint.name])
 
         if joint.driver:
-            along = efforts["driver"] = multipliers[now.rows_of["driver", joint.name][0]]
-            told[f"{name}.effort"] = along
+            along = values["effort"] = efforts["driver"] = multipliers[now.rows_of["driver", joint.name][0]]
 
-        _put(told, name, {f"{part}_effort": effort for part, effort in efforts.items()})
-        told[f"{name}.power"] = sum(efforts.values()) * now.rate[joint.name][0]
+        values["acceleration"] = J[0] @ acceleration + bias[0]
+        values["power"] = sum(efforts.values()) * now.rate[joint.name][0]
+        values |= {f"{part}_effort": effort for part, effort in efforts.items()}
+        along += _coupled(system, now, joint.name, multipliers)
 
-    _tell_reaction(told, system, now, joint, along, multipliers)
+    values |= _reaction(system, now, joint, along, multipliers)
+    _put(told, dotted(joint.name), values, system.data["joint"][joint.name])
 
 
-def _tell_reaction(told, system, now, joint, driven, multipliers):
-    """The wrench of all that is in the joint on its second marker, in the first one's axes and in its own."""
-    first, second = joint.ends
-    owner = second.partition(".")[0]
+def _reaction(system, now, joint, along, multipliers):
+    """The wrench of all that is in the joint on its second marker, in the first one's axes and in its own.
 
-    if owner in (first.partition(".")[0], "inertial") or joint.kind == "free":
-        return
+    along : effort of driver and couplings along its coordinate.
+    """
+    other, owner = (system.end(end)[0] for end in joint.ends)
+
+    if owner in (other, "inertial") or joint.kind == "free":
+        return {}
 
     rows = now.rows_of.get(joint.name, [])
     wrench = now.C[rows].T @ multipliers[rows] + now.inside[joint.name]
-    J = now.values["coordinates", joint.name][3]
 
     if joint.parts:
-        wrench = wrench + J[0] * (driven + _coupled(system, now, joint.name, multipliers))
+        wrench = wrench + now.values["coordinates", joint.name][3][0] * along
 
     force, moment = np.split(wrench[system.place[owner]], 2)
     (_, A1, _, _), (r2, A2, _, _) = (now.frame(end) for end in joint.ends)
     moment = moment - np.cross(r2 - now.motions[owner][0], force)
-    name = dotted(joint.name)
-    _put(told, name, {"reaction_force": A1.T @ force, "reaction_moment": A1.T @ moment})
-    _put(told, name, {"reaction_force_body": A2.T @ force, "reaction_moment_body": A2.T @ moment})
+    return {
+        "reaction_force": A1.T @ force, "reaction_moment": A1.T @ moment,
+        "reaction_force_body": A2.T @ force, "reaction_moment_body": A2.T @ moment,
+    }  # fmt: skip
 
 
 def _coupled(system, now, joint, multipliers):
@@ -208,28 +219,23 @@ def _coupled(system, now, joint, multipliers):
     return effort
 
 
-def _tell_element(told, now, e, seen):
-    name = dotted(e.name)
-
+def _tell_element(told, e, table):
     if e.kind == "load":
-        told[f"{name}.power"] = e.now
+        values = {"power": e.now}
     elif e.kind == "spring_damper":
         length, rate, parts = e.now
         values = dict(zip(("spring_force", "damper_force", "input_force"), parts))
-        values = values | {"length": length, "rate": rate, "tension": sum(parts), "power": -sum(parts) * rate}
-
-        if not e.has_input:
-            values["force"] = values["tension"]
-            del values["input_force"]
-
-        _put(told, name, values)
+        values |= {"length": length, "rate": rate, "tension": sum(parts), "force": sum(parts), "power": -sum(parts) * rate}
+        del values["force" if e.has_input else "input_force"]
     else:
         force, moment, moved, rate = e.now
         values = {"force": force, "moment": moment, "displacement": moved[:3], "rotation": moved[3:]}
-        _put(told, name, values | {"power": force @ rate[:3] + moment @ rate[3:]})
+        values["power"] = force @ rate[:3] + moment @ rate[3:]
+
+    _put(told, dotted(e.name), values, table)
 
 
-def _tell_scene(told, system, now, seen, acceleration, multipliers):
+def _tell_scene(told, system, now, acceleration, multipliers):
     """Energies, powers, momenta, the ground's reaction."""
     kinetic = gravity = spring = 0.0
     linear, angular, centre, total = np.zeros(3), np.zeros(3), np.zeros(3), 0.0

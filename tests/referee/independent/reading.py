@@ -108,6 +108,7 @@ class Parameters:
 
     def __init__(self, values):
         self.values = {self._named(name): float(value) for name, value in (values or {}).items()}
+        self.taken = set()
 
     @staticmethod
     def _named(text):
@@ -120,12 +121,22 @@ class Parameters:
         name = dotted(*names)
 
         if np.ndim(value) == 0:
-            return self.values.get(name, value)
+            return self._taken(name, value)
 
         value = np.array(value, float)
 
         for place in np.ndindex(value.shape):
             index = ",".join(str(k + 1) for k in place)
-            value[place] = self.values.get(f"{name}[{index}]", value[place])
+            value[place] = self._taken(f"{name}[{index}]", value[place])
 
         return value
+
+    def _taken(self, name, value):
+        self.taken.add(name)
+        return self.values.get(name, value)
+
+    def check(self):
+        """KeyError where a value is of no parameter; those of the start and of the solver concern only the package."""
+        for name in self.values.keys() - self.taken:
+            if not name.startswith("solver.") and not name.partition("[")[0].endswith("_start"):
+                raise KeyError(f"no parameter {name}")

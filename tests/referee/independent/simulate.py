@@ -4,6 +4,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+from .reading import dotted
+
 TOLERANCE = 1e-11
 
 
@@ -60,12 +62,15 @@ class Course:
         now = self.solve(t, x)
 
         for name, joint in self.system.joints.items():
-            for k, output, element in joint.angle_names():
-                key = f"{name}.{output}" + ("" if element is None else f"[{element + 1}]")
-                self.hints[key] = now.q[name][k]
+            angles = {}
+
+            for k, output, _ in joint.angle_names():
+                angles.setdefault(dotted(name, output), []).append(now.q[name][k])
+
+            self.hints |= {key: values if len(values) > 1 else values[0] for key, values in angles.items()}
 
             if name in now.s:
-                self.hints[f"{name}.s"] = now.s[name]
+                self.hints[dotted(name, "s")] = now.s[name]
 
         return now
 
