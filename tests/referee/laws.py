@@ -1,0 +1,216 @@
+"""Laws that any run must keep, whatever way it was made: energy, momentum, constraints, orientations, finite values.
+
+Integrals over time are by Simpson's rule over the communication points of a run made for it (PANELS equal steps in each interval of
+the plan); what half the points give tells how good they are.
+"""
+
+import numpy as np
+
+from mbdfmi.scene import fmi_name
+
+from .compare import LOOSE, SAFETY, groups
+from .findings import Finding
+from .ways import ARRIVING, TIGHT
+
+PANELS = 16
+
+# m or rad, and their rates: what projection may leave of a gap, relative to the largest position and speed
+GAP = 1e-7
+UNIT = 1e-12
+
+
+def always(run, data):
+    """Findings in a run by itself."""
+    found = []
+    name = str(run.way)
+
+    if run.crashed:
+        found.append(Finding("crash", name, text=run.crashed.strip()))
+
+    if run.refused is not None or run.stopped is not None:
+        found += told_why(run)
+
+    if not run.values:
+        return found
+
+    values = np.array(run.values)
+
+    if not np.isfinite(values).all():
+        k, c = np.argwhere(~np.isfinite(values))[0]
+        found.append(Finding("not finite", name, run.names[c], run.times[k], values[k, c], text="and the status was OK"))
+        return found
+
+    for group, columns in groups(run.names).items():
+        if group.endswith("euler_parameters"):
+            off = np.abs(np.linalg.norm(values[:, columns], axis=1) - 1.0)
+            k = int(off.argmax())
+
+            if off[k] > UNIT:
+                found.append(Finding("orientation", name, group, run.times[k], 1.0 + off[k], 1.0, UNIT, "its length"))
+
+    return found + gaps(run, values, data)
+
+
+def told_why(run):
+    """A run that ended early tells why in words, and where or when."""
+    text = run.refused or run.stopped or ""
+    bad = not text.strip() or "failure " in text or " ? " in text or "Traceback" in text or "internal" in text
+    return [Finding("not told", str(run.way), text=f"it stopped with {text!r}")] if bad else []
+
+
+def gaps(run, values, data):
+    """What constraints are open, beyond what the start was told to leave."""
+    solver = data.get("solver", {})
+    allowed = max(GAP, 10.0 * solver.get("closing_tolerance", 1e-9))
+
+    if any("does not quite close" in text for text in run.notices):
+        return []
+
+    found = []
+    columns = groups(run.names)
+    reach = {"constraint_gap": "position", "constraint_rate": "velocity"}
+
+    for group, ending in reach.items():
+        if group not in columns:
+            continue
+
+        column = values[:, columns[group][0]]
+        size = max([1.0, *(np.abs(values[:, c]).max() for g, c in columns.items() if g.endswith(ending))])
+        k = int(column.argmax())
+
+        if column[k] > allowed * size:
+            found.append(Finding("constraint", str(run.way), group, run.times[k], column[k], 0.0, allowed * size))
+
+    return found
+
+
+class Integrals:
+    """Simpson's integrals of a run over the intervals of the plan: `at` gives rows where an interval begins and ends."""
+
+    def __init__(self, run):
+        self.run = run
+        self.values = np.array(run.values)
+        self.columns = groups(run.names)
+        phases = np.array(run.phases)
+        self.ends = np.flatnonzero(phases == ARRIVING)[1:]
+        self.begins = self.ends - PANELS
+
+    def of(self, rows):
+        """(integrals (n, …), how good they are (n, …)) of values at all rows."""
+        whole, error = [], []
+
+        for a, b in zip(self.begins, self.ends):
+            H = self.run.times[b] - self.run.times[a]
+            fine, coarse = (_simpson(rows[a : b + 1 : stride], H) for stride in (1, 2))
+            whole.append(fine)
+            error.append(np.abs(fine - coarse))
+
+        return np.array(whole), np.array(error)
+
+    def change(self, name):
+        """Change (n, k) of outputs over each interval."""
+        values = self.values[:, self.columns[name]]
+        return values[self.ends] - values[self.begins]
+
+    def get(self, name):
+        return self.values[:, self.columns[name]]
+
+
+def _simpson(values, H):
+    n = len(values) - 1
+    weights = np.array([1.0, *[4.0, 2.0] * (n // 2 - 1), 4.0, 1.0]) * H / (3 * n)
+    return np.tensordot(weights, values, 1)
+
+
+def energy(integrals, reference, count):
+    """The rate of the total energy is the power of inputs, loads and drivers less what is dissipated."""
+    i = integrals
+    power = i.get("input_power") + i.get("load_power") + i.get("driver_power") - i.get("dissipated_power")
+    work, error = i.of(power)
+    parts = [i.get(name) for name in ("kinetic_energy", "gravity_energy", "spring_energy")]
+    size = sum(np.abs(part).max() for part in parts) + np.abs(work).max()
+    return _balance("energy", "total_energy", i, work, error, size, reference, count)
+
+
+def momentum(integrals, reference, count, mass, gravity):
+    """What changes the momenta is the weight and what the ground, at rest, takes.
+
+    mass (kg), gravity (m/s2, (3,)) : in each interval.
+    """
+    i = integrals
+    weight = np.zeros((len(i.values), 3))
+
+    for k, (a, b) in enumerate(zip(i.begins, i.ends)):
+        weight[a : b + 1] = mass[k] * gravity[k]
+
+    force = weight - i.get("ground.reaction_force")
+    moment = np.cross(i.get("center_of_mass"), weight) - i.get("ground.reaction_moment")
+    found = []
+
+    for name, rate, of in (("linear_momentum", force, weight), ("angular_momentum", moment, i.get("ground.reaction_moment"))):
+        change, error = i.of(rate)
+        size = np.abs(i.get(name)).max() + (np.abs(change) + np.abs(of).max() * i.run.times[-1]).max()
+        found += _balance("momentum", name, i, change, error, size, reference, count)
+
+    return found
+
+
+def _balance(verdict, name, integrals, wanted, error, size, reference, count):
+    i, found = integrals, []
+    change = i.change(name)
+    growth = reference.growth[name] if name in reference.growth else np.zeros(len(reference.times))
+
+    for k in range(len(change)):
+        at = np.searchsorted(reference.times, i.run.times[i.ends[k]] + 1e-9, "right") - 1
+        allowed = 2.0 * error[k].max() + SAFETY * 2 * TIGHT * growth[at] + 1e-9 * size
+        count.made += 1
+
+        if not allowed <= LOOSE * size:
+            count.loose += 1
+            continue
+
+        off = np.abs(change[k] - wanted[k])
+        c = int(off.argmax())
+
+        if off[c] > allowed:
+            at = i.run.times[i.ends[k]]
+            text = "change over the interval that ends there, and what acts"
+            found.append(Finding(verdict, str(i.run.way), name, at, change[k][c], wanted[k][c], allowed, text))
+            break
+
+    return found
+
+
+def bears_all(data):
+    """Whether all that acts from outside is weight and the ground's reaction, the ground at rest."""
+    if data.get("central_gravity") or data.get("ground", {}).get("motion"):
+        return False
+
+    for body in data["body"].values():
+        markers = body.get("marker", {}).values()
+
+        if body.get("input") or any(marker.get("input") for marker in markers):
+            return False
+
+    forces = data.get("force", {}).values()
+    return not any("load" in force or "added_mass" in force.get("linear", {}) for force in forces)
+
+
+def mass_and_gravity(scene, plan):
+    """(kg (n,), m/s2 (n, 3)) in each interval of the plan, as its settings change them."""
+    masses = {f"{fmi_name(name)}.mass": body.mass_properties()[0] for name, body in scene.body.items()}
+    now = masses | {f"gravity[{k + 1}]": g for k, g in enumerate(scene.gravity)}
+    found = []
+
+    for k in range(len(plan.points) - 1):
+        now |= {name: value for name, value in plan.settings.get(k, {}).items() if name in now}
+        found.append((sum(now[name] for name in masses), [now[f"gravity[{j}]"] for j in (1, 2, 3)]))
+
+    return np.array([mass for mass, _ in found]), np.array([gravity for _, gravity in found])
+
+
+def smooth_commands(data):
+    """Whether nothing makes speeds jump, which no integral over time sees."""
+    ground = data.get("ground", {}).get("motion", {})
+    tables = [joint.get("driver", {}).get("table", {}) for joint in data.get("joint", {}).values()] + [ground.get("table", {})]
+    return not any(table.get("interpolation") == "linear" for table in tables)

@@ -1,0 +1,187 @@
+"""Starts: what is given is what is taken, or the joint is named in a notice; and all who ask are told the same."""
+
+import contextlib
+import io
+import re
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from mbdfmi.scene import Scene, fmi_name
+
+from .findings import Finding
+
+NEAR = 1e-7
+UNITS = {"": 1.0, "_deg": np.pi / 180, "_rpm": 2 * np.pi / 60}
+COMPONENTS = {"x": 0, "y": 1, "z": 2, "first": 0, "second": 1}
+
+
+def kept(data, run):
+    """Findings where a given start value is not what the run starts with, and no notice names its joint."""
+    if not run.values:
+        return []
+
+    first = dict(zip(run.names, run.values[0]))
+    found = []
+
+    for name, joint in data.get("joint", {}).items():
+        moved = any(names(text, name) for text in run.notices)
+
+        for quantity, wanted in given(joint):
+            values = _values(first, fmi_name(name), quantity)
+
+            if values is None or moved:
+                continue
+
+            off = _off(quantity, values, wanted, first, fmi_name(name))
+            allowed = NEAR * max(1.0, np.nanmax(np.abs(wanted)))
+
+            if np.nanmax(off) > allowed:
+                k = int(np.nanargmax(off))
+                text = "given to start with, and no notice names the joint"
+                found.append(Finding("start", str(run.way), f"{name}.{quantity}", 0.0, values[k], wanted[k], allowed, text))
+
+    return found
+
+
+def names(text, joint):
+    """Whether a notice names a joint."""
+    return re.search(rf"(?<!\w){re.escape(joint)}(?!\w)", text) is not None or fmi_name(joint) in text
+
+
+def given(joint):
+    """(quantity, value (n,), NaN where nothing is given) of each start value that a joint was written with."""
+    start = joint.get("start", {})
+    start = start if isinstance(start, dict) else {}
+
+    for key, value in start.items():
+        quantity, unit = next((key.removesuffix(u), u) for u in ("_deg", "_rpm", "") if key.endswith(u))
+
+        if quantity in ("euler_parameters", "zyx", "zyx_rad", "axis_angle", "axes"):
+            yield "euler_parameters", orientation({key: value})
+            continue
+
+        yield quantity, UNITS[unit] * _vector(value)
+
+
+def orientation(table):
+    """Euler parameters (4,) of an orientation as it is written."""
+    (key, value), = table.items()
+
+    if key == "euler_parameters":
+        return np.array(value, float) / np.linalg.norm(value)
+
+    if key in ("zyx_deg", "zyx_rad"):
+        return Rotation.from_euler("ZYX", value, degrees=key == "zyx_deg").as_quat()
+
+    if key == "axis_angle":
+        angle = value["angle_rad"] if "angle_rad" in value else np.radians(value["angle_deg"])
+        return Rotation.from_rotvec(angle * direction(value["axis"])).as_quat()
+
+    # two axes: the first is kept, the second made normal to it
+    (one, a), (two, b) = value.items()
+    a = direction(a)
+    b = direction(b) - (direction(b) @ a) * a
+    columns = {one: a, two: b / np.linalg.norm(b)}
+    third = ({"x", "y", "z"} - {one, two}).pop()
+    after = {"x": "y", "y": "z", "z": "x"}
+    columns[third] = np.cross(columns[after[third]], columns[after[after[third]]])
+    return Rotation.from_matrix(np.column_stack([columns[axis] for axis in "xyz"])).as_quat()
+
+
+def direction(axis):
+    """The unit vector of an axis as it is written."""
+    if isinstance(axis, str):
+        return (-1.0 if axis.startswith("-") else 1.0) * np.eye(3)["xyz".index(axis[-1])]
+
+    return np.array(axis, float) / np.linalg.norm(axis)
+
+
+def _vector(value):
+    if not isinstance(value, dict):
+        return np.atleast_1d(np.array(value, float))
+
+    found = np.full(2 if set(value) & {"first", "second"} else 3, np.nan)
+
+    for key, x in value.items():
+        found[COMPONENTS[key]] = x
+
+    return found
+
+
+def _values(first, joint, quantity):
+    """What a run tells of a joint's quantity (n,), None where it does not."""
+    name = f"{joint}.{'omega' if quantity == 'omega_body' else quantity}"
+
+    if name in first:
+        return np.array([first[name]])
+
+    values = [first[f"{name}[{k}]"] for k in range(1, 5) if f"{name}[{k}]" in first]
+    return np.array(values) if values else None
+
+
+def _off(quantity, values, wanted, first, joint):
+    if quantity == "euler_parameters":
+        return np.minimum(np.abs(values - wanted), np.abs(values + wanted))
+
+    if quantity == "omega_body":
+        E = _values(first, joint, "euler_parameters")
+        values[:] = Rotation.from_quat(E).as_matrix().T @ values
+
+    return np.abs(values - wanted[: len(values)])
+
+
+def checked(path, run):
+    """Findings where `mbdfmi check` does not tell the notices of the start that a run told."""
+    from mbdfmi.cli import main
+
+    said = io.StringIO()
+
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        status = main(["check", str(path)])
+
+    text = _plain(said.getvalue())
+    found = []
+
+    if status and not (run.refused or run.stopped):
+        found.append(Finding("check", "mbdfmi check", text=f"ends with {status}, but the scene runs: {text[-300:]}"))
+
+    if not status:
+        wanted = [notice for notice in run.notices if "(time " not in notice]
+        found += [Finding("check", "mbdfmi check", text=f"does not tell: {n}") for n in wanted if _plain(n) not in text]
+
+    return found
+
+
+def _plain(text):
+    return " ".join(text.split())
+
+
+def alike(run, other):
+    """Findings where two hosts of one way tell different things."""
+    one, two = ({_told(text) for text in r.notices} for r in (run, other))
+    return [Finding("notices", str(other.way), text=f"told by one of process and FMU alone: {text}") for text in sorted(one ^ two)]
+
+
+def _told(text):
+    """A notice without the time, which process and log tell in their own ways, and without the doubled signs of a log."""
+    text = re.sub(r" \(time \S+ s\)$", "", text)
+    text = re.sub(r"^(step|initialisation)( at t = \S+ s)?: ", "", text)
+    return text.replace("%%", "%").replace("##", "#")
+
+
+def written(data):
+    """Findings where the scene, written as TOML and read again, is not the same model."""
+    import tomllib
+
+    from mbdfmi.export.resource import resource
+    from mbdfmi.kernels.status import MESSAGES
+    from mbdfmi.model import compile_scene
+
+    scene = Scene.model_validate(data)
+    again = Scene.model_validate(tomllib.loads(scene.to_toml()))
+
+    if resource(compile_scene(scene), MESSAGES) != resource(compile_scene(again), MESSAGES):
+        return [Finding("TOML", "to_toml", text="read again it gives another model")]
+
+    return []

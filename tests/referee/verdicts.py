@@ -1,0 +1,182 @@
+"""One scene before the referee: all its ways, and every verdict on them."""
+
+import time as clock
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene, SceneError
+from mbdfmi.simulate import Instance, SimulationError
+
+from . import compare, dependence, draws, laws, starts
+from . import plan as plans
+from .findings import Count, Finding
+from .ways import Libraries, Way, run, scene_of
+
+SPENT = "max_evaluations"
+
+
+@dataclass
+class Verdict:
+    """What the referee says of a scene."""
+
+    seed: int
+    findings: list[Finding] = field(default_factory=list)
+    count: Count = field(default_factory=Count)
+    refused: str | None = None
+    seconds: float = 0.0
+
+
+def judge(data, seed, interpreter=None, fmu=True, n=3):
+    """The verdict on a scene (a dict). interpreter : `Interpreter`, or None to go without."""
+    begun = clock.perf_counter()
+    verdict = Verdict(seed)
+
+    with TemporaryDirectory() as folder, Libraries() as libraries:
+        _judge(data, seed, verdict, interpreter, fmu, n, Path(folder), libraries)
+
+    verdict.seconds = clock.perf_counter() - begun
+    return verdict
+
+
+def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
+    try:
+        scene = Scene.model_validate(data)
+        model = compile_scene(scene_of(data, Way()))
+    except SceneError as error:
+        verdict.refused = str(error)
+        verdict.findings += [] if str(error).strip() else [Finding("not told", "reading", text="refused without a word")]
+        return
+
+    plan = plans.draw(seed, model)
+    ways = draws.draw(seed, plan, n, fmu, interpreter is not None)
+    runs = [run(data, plan, way) for way in ways.near]
+    reference, kicked = _reference(data, plan, ways)
+    findings, count = verdict.findings, verdict.count
+
+    for other in [*runs, reference]:
+        findings += laws.always(other, data)
+
+    if reference.refused is not None:
+        verdict.refused = reference.refused
+        findings += [
+            Finding("refused", str(other.way), text=f"runs, but the reference is refused: {reference.refused}")
+            for other in runs
+            if other.refused is None and other.way.host == "process"
+        ]
+        return
+
+    ignored = undetermined(scene)
+    of = compare.Reference(reference, kicked, ignored)
+    _near(data, plan, ways, runs, of, verdict)
+    _bits(data, plan, ways, runs, verdict, libraries)
+
+    for way, k in ways.rounding if interpreter else ():
+        other = interpreter.run(data, plan, way)
+        findings += laws.always(other, data)
+        findings += compare.near(_as_reference(of, runs[k]), other, count, tolerance=1e-13)
+
+    if ways.integrals and reference.whole:
+        _balances(data, scene, plan, ways, of, verdict, ignored)
+
+    findings += starts.kept(data, reference)
+    findings += starts.written(data)
+    findings += dependence.told(model)
+    _dependence(model, plan, findings)
+    path = folder / "scene.toml"
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    findings += starts.checked(path, reference)
+    count.add("stopped early", reference.stopped is not None)
+
+
+def _reference(data, plan, ways):
+    """(reference, kicked runs): with an implicit method where explicit steps are too many."""
+    way = ways.reference
+    found = run(data, plan, way)
+
+    if found.stopped and SPENT in found.stopped:
+        other = run(data, plan, replace(way, integrator="radau", tolerance=1e-10))
+        found = other if len(other.values) > len(found.values) else found
+
+    return found, [run(data, plan, replace(found.way, kick=kick.kick)) for kick in ways.kicked]
+
+
+def _as_reference(of, other):
+    """A run in the place of the reference, with the reference's growth of errors."""
+    import copy
+
+    import numpy as np
+
+    changed = copy.copy(of)
+    theirs, ours = of.rows(other)
+    changed.run = replace(of.run, way=other.way)
+    values = np.full_like(of.values, np.nan)
+    values[ours] = np.array(other.values)[theirs]
+    keep = np.zeros(len(of.times), bool)
+    keep[ours] = True
+    changed.times, changed.phases, changed.values = of.times[keep], of.phases[keep], values[keep]
+    changed.growth = {g: column[keep] for g, column in of.growth.items()}
+    return changed
+
+
+def _near(data, plan, ways, runs, of, verdict):
+    for k, other in enumerate(runs):
+        half = run(data, plan, ways.halved[k]) if k in ways.halved else None
+        verdict.findings += compare.near(of, other, verdict.count, half)
+
+        # who stops where the reference goes on
+        if other.way.step or other.stopped is None or not of.run.whole or SPENT in other.stopped:
+            verdict.count.add("stopped where others go on", other.stopped is not None and of.run.whole)
+        else:
+            text = f"stops where the reference goes on: {other.stopped}"
+            verdict.findings.append(Finding("stopped", str(other.way), time=other.times[-1], text=text))
+
+
+def _bits(data, plan, ways, runs, verdict, libraries):
+    for way, k in ways.bits:
+        other = run(data, plan, way, libraries)
+        verdict.findings += laws.always(other, data)
+        verdict.findings += compare.same(other, runs[k], f"as [{runs[k].way}] to the bit")
+
+        if way.host == "fmu" and way.memory is None and runs[k].whole:
+            verdict.findings += starts.alike(runs[k], other)
+
+
+def _balances(data, scene, plan, ways, of, verdict, ignored):
+    way = replace(ways.integrals, integrator=of.run.way.integrator, tolerance=of.run.way.tolerance)
+    found = run(data, plan, way)
+
+    if not found.whole or not laws.smooth_commands(data):
+        verdict.count.add("no balance")
+        return
+
+    integrals = laws.Integrals(found)
+    verdict.findings += laws.energy(integrals, of, verdict.count)
+
+    if laws.bears_all(data):
+        masses = laws.mass_and_gravity(scene, plan)
+        verdict.findings += laws.momentum(integrals, of, verdict.count, *masses)
+
+
+def _dependence(model, plan, findings):
+    try:
+        instance = Instance(model, inputs=dict(enumerate(plan.inputs(0.0, 0)[0])))
+        instance.step(0.5 * plan.points[1])
+        findings += dependence.observed(model, instance, "process")
+    except SimulationError:
+        pass
+
+
+def undetermined(scene):
+    """Groups of outputs that rigid bodies do not determine: reactions, efforts and powers of joints that share a load."""
+    from mbdfmi.scene import fmi_name
+    from mbdfmi.structure import structure
+
+    try:
+        owners = {reaction.owner for reaction in structure(scene).undetermined}
+    except (SceneError, SimulationError):
+        return set()
+
+    endings = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body", "effort", "driver_effort", "power")
+    return {f"{fmi_name(owner)}.{ending}" for owner in owners for ending in (*endings, "efforts")}
