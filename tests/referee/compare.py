@@ -10,35 +10,52 @@ import re
 import numpy as np
 
 from .findings import Finding
-from .ways import KICK, TIGHT
+from .ways import ARRIVING, KICK, TIGHT
 
-# errors of a step of tolerance 1, in kicks: steps between two kicks are many, and errors of some add up
-SAFETY = 100.0
+# how much larger than a kick's what an error of the tolerance's size does may be, and the same for each step between two kicks
+SAFETY = 60.0
+OF_A_STEP = 6.0
+STEPS_UNKNOWN = 40
 
 # part of the largest value of an output that rounding may take
 ROUNDING = 1e-11
+
+# what rounding is as an error of a step, relative
+ULPS = 1e-13
 
 # an output is not worth comparing where more than this part of its largest value is allowed
 LOOSE = 0.1
 
 # of steppers with a fixed step: error, in differences to half the step
-HALVING = 5.0
+HALVING = 20.0
 
 # told of the work done, by formulations in their own way, or bounded by a law of its own
 APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
 
 
 class Reference:
-    """The reference and its kicked runs; `ignored`: groups of outputs that are not determined."""
+    """The reference and its kicked runs.
 
-    def __init__(self, run, kicked, ignored=()):
+    units : of outputs by name. ignored : groups of outputs that are not determined.
+    scale : of a group, the largest value; size : the largest of all outputs of its unit, which rounding goes by.
+    """
+
+    def __init__(self, run, kicked, units, ignored=()):
         self.run = run
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
         self.groups = {g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in ignored}
         self.scale = {g: np.abs(self.values[:, c]).max() for g, c in self.groups.items()}
+        of_unit = {}
+
+        for g, columns in self.groups.items():
+            unit = units[run.names[columns[0]]]
+            of_unit[unit] = max(of_unit.get(unit, 0.1), self.scale[g])
+
+        self.size = {g: of_unit[units[run.names[c[0]]]] for g, c in self.groups.items()}
         n = min([len(self.values), *(len(k.values) for k in kicked)])
         self.times, self.phases, self.values = self.times[:n], self.phases[:n], self.values[:n]
+        self.intervals = max(1, int(np.sum(self.phases == ARRIVING)) - 1)
         self.growth = {}
 
         for g, columns in self.groups.items():
@@ -86,46 +103,64 @@ def difference(group, a, b):
     return apart.max(axis=1)
 
 
-def near(reference, run, count, halved=None, tolerance=None):
+def near(reference, run, count, halved=None, twin=None):
     """Findings where a run is off the reference by more than its tolerance allows.
 
-    halved : the same way with half the step, of a fixed step. tolerance : other than the way's, as of the same way compiled.
+    halved : the same way with half the step, of a fixed step. twin : a run of the same way, which it may be off by no more than
+    rounding, grown as errors grow.
     """
-    if not run.values or run.names != reference.run.names:
+    if not run.values:
         return []
 
     theirs, ours = reference.rows(run)
-    tolerance = TIGHT if run.way.step else run.way.tolerance if tolerance is None else tolerance
-    values = np.array(run.values)
-    worst = None
+    steps = run.steps or STEPS_UNKNOWN * reference.intervals
+    safety = SAFETY + OF_A_STEP * steps / reference.intervals
+    n = len(twin.values) if twin else len(run.values)
+    theirs, ours = theirs[theirs < n], ours[theirs < n]
+    tolerance = ULPS if twin else TIGHT if run.way.step else TIGHT + run.way.tolerance
+    values, at = np.array(run.values), {name: k for k, name in enumerate(run.names)}
+    beyond, worst = 0.0, None
 
     for g, columns in reference.groups.items():
-        off = difference(g, values[theirs][:, columns], reference.values[ours][:, columns])
-        allowed = SAFETY * (tolerance + TIGHT) * reference.growth[g][ours] + ROUNDING * reference.scale[g]
+        names = [reference.run.names[c] for c in columns]
+
+        if names[0] not in at:
+            continue
+
+        mine = values[:, [at[name] for name in names]]
+        wanted = np.array(twin.values)[theirs][:, [at[name] for name in names]] if twin else reference.values[ours][:, columns]
+        off = difference(g, mine[theirs], wanted)
+        allowed = safety * tolerance * reference.growth[g][ours] + ROUNDING * reference.size[g]
 
         if halved is not None:
-            n = min(len(values), len(halved.values))
-            finer = np.array(halved.values)[:n][:, columns]
-            between = np.zeros(len(values))
-            between[:n] = np.maximum.accumulate(difference(g, values[:n][:, columns], finer))
-            between[n:] = np.inf
-            allowed = allowed + HALVING * between[theirs]
+            allowed = allowed + HALVING * _halving(g, mine, halved, at, names)[theirs]
 
-        loose = ~(allowed <= LOOSE * reference.scale[g] + ROUNDING)
+        loose = ~(allowed <= LOOSE * reference.scale[g] + ROUNDING * reference.size[g])
         count.loose += int(loose.sum())
         count.made += len(off)
-        beyond = np.where(loose, 0.0, off / np.maximum(allowed, 1e-300))
-        beyond[~np.isfinite(off)] = np.inf
+        ratio = np.where(loose, 0.0, off / allowed)
+        ratio[~np.isfinite(off)] = np.inf
+        count.worst(str(run.way.integrator), ratio.max(initial=0.0))
 
-        if len(beyond) and beyond.max() > 1.0 and (worst is None or beyond.max() > worst[0]):
-            k = int(np.argmax(beyond > 1.0))
-            c = columns[int(np.argmax(np.abs(values[theirs[k]][columns] - reference.values[ours[k]][columns])))]
-            worst = beyond.max(), Finding(
-                "ways part", str(run.way), run.names[c], run.times[theirs[k]], values[theirs[k], c], reference.values[ours[k], c],
-                allowed[k], f"at worst {beyond.max():.3g} times what is allowed; the reference is {reference.run.way}",
-            )  # fmt: skip
+        if ratio.max(initial=0.0) > max(beyond, 1.0):
+            beyond = ratio.max()
+            k = int(np.argmax(ratio > 1.0))
+            c = int(np.argmax(np.abs(mine[theirs[k]] - wanted[k])))
+            text = f"at worst {beyond:.3g} times what is allowed; the other way is {(twin or reference.run).way}"
+            worst = Finding(
+                "ways part", str(run.way), names[c], run.times[theirs[k]], mine[theirs[k], c], wanted[k, c], allowed[k], text
+            )
 
-    return [worst[1]] if worst else []
+    return [worst] if worst else []
+
+
+def _halving(group, mine, halved, at, names):
+    """How far, up to each row, a run of a fixed step is from that with half of it; infinite where that has ended."""
+    n = min(len(mine), len(halved.values))
+    off = np.full(len(mine), np.inf)
+    finer = np.array(halved.values)[:n][:, [at[name] for name in names]] if n else mine[:0]
+    off[:n] = np.maximum.accumulate(difference(group, mine[:n], finer)) if n else 0.0
+    return off
 
 
 def same(run, other, why):

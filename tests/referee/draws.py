@@ -70,5 +70,6 @@ def _way(rng, formulation, plan, pattern):
         return Way(formulation, str(rng.choice(FIXED)), step=step, pattern=pattern)
 
     tolerance = 10.0 ** rng.uniform(-10, -4)
+    plain = rng.random() < 0.25
     most = float(plan.until * 10.0 ** rng.uniform(-2.5, -1)) if rng.random() < 0.25 else None
-    return Way(formulation, str(rng.choice(ADAPTIVE)), tolerance, max_step=most, pattern=pattern)
+    return Way(formulation, str(rng.choice(ADAPTIVE)), tolerance, max_step=most, pattern=pattern, plain=plain)

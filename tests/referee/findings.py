@@ -48,6 +48,11 @@ class Count:
     made: int = 0
     loose: int = 0
     other: dict[str, int] = field(default_factory=dict)
+    ratios: dict[str, float] = field(default_factory=dict)
+
+    def worst(self, name, ratio):
+        """The largest part of what was allowed that was taken, by name."""
+        self.ratios[name] = max(self.ratios.get(name, 0.0), float(ratio))
 
     def add(self, name, n=1):
         self.other[name] = self.other.get(name, 0) + n

@@ -115,6 +115,12 @@ class Integrals:
     def get(self, name):
         return self.values[:, self.columns[name]]
 
+    def turns_over(self, k):
+        """Whether the rotation that a linear force or a bushing counts begins anew in interval k: its energy then jumps."""
+        rows = slice(self.begins[k], self.ends[k] + 1)
+        turns = [np.diff(self.values[rows][:, c], axis=0) for g, c in self.columns.items() if g.endswith(".rotation")]
+        return any(np.abs(turn).max() > 2.0 for turn in turns)
+
 
 def _simpson(values, H):
     n = len(values) - 1
@@ -162,6 +168,10 @@ def _balance(verdict, name, integrals, wanted, error, size, reference, count):
 
     for k in range(len(change)):
         at = np.searchsorted(reference.times, i.run.times[i.ends[k]] + 1e-9, "right") - 1
+        if i.turns_over(k):
+            count.add("energy of a turn that begins anew")
+            continue
+
         allowed = 2.0 * error[k].max() + SAFETY * 2 * TIGHT * growth[at] + 1e-9 * size
         count.made += 1
 

@@ -27,7 +27,8 @@ def kept(data, run):
     for name, joint in data.get("joint", {}).items():
         moved = any(names(text, name) for text in run.notices)
 
-        for quantity, wanted in given(joint):
+        # where a driver leads, no start is given
+        for quantity, wanted in () if joint.get("driver") else given(joint):
             values = _values(first, fmi_name(name), quantity)
 
             if values is None or moved:

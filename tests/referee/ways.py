@@ -5,7 +5,6 @@ read twice: before (ARRIVING) and after (LEAVING).
 """
 
 import _ctypes
-import copy
 import time as clock
 import traceback
 from dataclasses import dataclass, field
@@ -21,6 +20,7 @@ from mbdfmi.scene import Scene, SceneError
 from mbdfmi.simulate import Instance, SimulationError, simulate
 
 from .plan import N_DERIVATIVE, dice, pieces
+from .telling import all_told
 
 ARRIVING, LEAVING = 0, 1
 FIXED = ("rk4", "ros2", "gauss")
@@ -33,21 +33,6 @@ TIGHT = 1e-11
 # random changes of the state, in units of the error that a step of tolerance 1 may make
 KICK = 1e-7
 
-# what every body and the scene tell, so that whatever differs is seen
-OF_BODIES = ("position", "euler_parameters", "velocity", "omega")
-OF_SCENE = (
-    "kinetic_energy", "gravity_energy", "spring_energy", "total_energy", "input_power", "load_power", "driver_power",
-    "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap", "constraint_rate",
-)  # fmt: skip
-OF_GROUND = ("reaction_force", "reaction_moment")
-OF_JOINTS = {
-    "revolute": ("angle", "speed"), "prismatic": ("position", "speed"), "universal": ("angles", "speeds"),
-    "cylindrical": ("position", "speed", "angle", "angular_speed"), "screw": ("angle", "angular_speed"),
-    "planar": ("position", "velocity", "angle", "angular_speed"), "translation": ("position", "velocity"),
-    "spherical": ("euler_parameters", "omega"), "free": ("position", "velocity", "euler_parameters", "omega"),
-}  # fmt: skip
-
-
 @dataclass(frozen=True)
 class Way:
     """One way to run a scene.
@@ -58,6 +43,7 @@ class Way:
         "second" (beside another instance of the same library that does otherwise).
     interpreted : kernels as plain Python, in a process of their own.
     exact : no inner step goes across a communication point, so nothing is read off between inner steps.
+    plain : with the scene's own outputs, not all there are.
     kick : seed of small changes of the state at every shared point, which tell how much an error grows.
     seconds : s of wall time after which the run ends where it is.
     """
@@ -73,12 +59,13 @@ class Way:
     interpreted: bool = False
     exact: bool = False
     kick: int | None = None
+    plain: bool = False
     seconds: float = 20.0
 
     def __str__(self):
         of_step = f"step {self.step:.3g}" if self.step else f"tolerance {self.tolerance:g}"
         more = [f"max_step {self.max_step:.3g}" if self.max_step else "", self.memory or ""]
-        more += ["interpreted" if self.interpreted else "", "exact" if self.exact else "", f"kick {self.kick}" if self.kick else ""]
+        more += ["own outputs" if self.plain else "", "interpreted" if self.interpreted else "", "exact" if self.exact else "", f"kick {self.kick}" if self.kick else ""]
         pattern = " ".join(map(str, self.pattern))
         return " ".join(filter(None, [self.host, self.formulation, self.integrator, of_step, pattern, *more]))
 
@@ -127,26 +114,6 @@ class Run:
         return not (self.refused or self.stopped or self.crashed or self.cut)
 
 
-def told(data):
-    """The scene with all outputs that verdicts want."""
-    data = copy.deepcopy(data)
-    _tell(data, OF_SCENE)
-    _tell(data.setdefault("ground", {}), OF_GROUND)
-
-    for body in data["body"].values():
-        _tell(body, OF_BODIES)
-
-    for joint in data.get("joint", {}).values():
-        kind = next((kind for kind in OF_JOINTS if kind in joint), None)
-        _tell(joint, OF_JOINTS.get(kind, ()))
-
-    return data
-
-
-def _tell(part, names):
-    part["output"] = [*dict.fromkeys([*listed(part.get("output", ())), *names])]
-
-
 def listed(value):
     """A list, where one name may stand alone."""
     return [value] if isinstance(value, str) else list(value)
@@ -159,7 +126,7 @@ def scene_of(data, way):
     if way.step and "output" in solver:
         solver["output"] = [name for name in listed(solver["output"]) if name != "estimated_error"]
 
-    return Scene.model_validate(told(data) | {"solver": solver | way.solver()})
+    return Scene.model_validate((data if way.plain else all_told(data)) | {"solver": solver | way.solver()})
 
 
 def run(data, plan, way, libraries=None):
@@ -461,8 +428,8 @@ class _Component:
             self.component.component = None
 
     def notices(self):
-        """Warnings, and events of a step, in the log."""
-        return [text for status, category, text in self.component.log if status == WARNING or category == "logEvents"]
+        """Warnings, and what steps tell, in the log."""
+        return [text for status, _, text in self.component.log if status == WARNING or text.startswith("step at")]
 
     def work(self):
         return 0.0, 0.0

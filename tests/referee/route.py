@@ -1,0 +1,92 @@
+"""A run against the independent route: at every shared point, all that both can tell of the state there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .compare import groups
+from .findings import Finding
+from .independent import System
+from .ways import LEAVING
+
+# relative to the largest value of its kind, and what a constraint may be open
+CLOSE = 1e-8
+OPEN = 1e-7
+
+# told by multipliers and accelerations: as good as the largest of them
+FORCES = ("accel", "alpha", "effort", "reaction", "power", "moment", "force")
+
+
+def agrees(data, plan, model, run, ignored, count):
+    """Findings where a run in process tells another thing than the independent route, of the same motion."""
+    columns = groups(list(plan.signals))
+
+    # lengths that struts have at the start are those of the start alone
+    standing = {v.name: v.start for v in model.of_causality("parameter") if v.name.endswith(".rest_length")}
+    leaving = np.flatnonzero(np.array(run.phases) == LEAVING)
+    times = np.array(run.times)[leaving]
+    system = None
+
+    for k, t in enumerate(plan.points[:-1]):
+        row = leaving[np.abs(times - t) < 1e-9 * plan.until]
+
+        if not len(row):
+            break
+
+        changed = plan.settings.get(k, {})
+
+        if system is None or any(standing.get(name) != value for name, value in changed.items()):
+            standing |= changed
+            system = System(data, standing)
+
+        told = named(run.names, run.values[row[0]])
+        inputs = {name: np.squeeze(plan.inputs(t, k)[:, at]) for name, at in columns.items()}
+        own = system.evaluate(run.times[row[0]], system.motions_of(told), inputs, told)
+        found = list(_instant(told, own, run, run.times[row[0]], ignored, count))
+
+        if found:
+            others = ", ".join(finding.variable for finding in found[1:9])
+            more = f"and so do {others}" + (" and others" if found[9:] else "") if others else ""
+            return [replace(found[0], text=more)]
+
+    return []
+
+
+def _instant(told, own, run, t, ignored, count):
+    open_by = np.abs(own["constraint residuals"]).max(initial=0.0)
+    size = {name: np.abs(value).max() for name, value in told.items()}
+    position = max([1.0, *(size[name] for name in told if name.endswith("position"))])
+
+    if open_by > OPEN * position and not any("does not quite close" in text for text in run.notices):
+        yield Finding("second route", str(run.way), "constraints", t, open_by, 0.0, OPEN * position, "what joints leave open")
+
+    largest = 1.0 + max((size[name] for name in told if any(word in name.rpartition(".")[2] for word in FORCES)), default=0.0)
+
+    for name, value in told.items():
+        if name not in own or name in ignored:
+            continue
+
+        wanted, value = np.atleast_1d(own[name]), np.atleast_1d(value)
+        scale = largest if any(word in name.rpartition(".")[2] for word in FORCES) else 1.0 + size[name]
+        off = np.abs(value - wanted)
+        count.made += 1
+
+        if name.endswith("euler_parameters"):
+            off = np.minimum(off, np.abs(value + wanted))
+        elif name.endswith("zyx"):
+            off = np.abs((value - wanted + np.pi) % (2 * np.pi) - np.pi)
+
+        if not off.max() <= CLOSE * scale:
+            c = int(np.nanargmax(off)) if np.isfinite(off).any() else 0
+            yield Finding("second route", str(run.way), name, t, value[c], wanted[c], CLOSE * scale)
+
+
+def named(names, values):
+    """Values by name, arrays as one."""
+    found = {}
+
+    for name, columns in groups(names).items():
+        array = len(columns) > 1 or names[columns[0]] != name
+        found[name] = np.array([values[c] for c in columns]) if array else float(values[columns[0]])
+
+    return found
