@@ -62,6 +62,7 @@ class Mechanism:
         name = self.names.new(names.BODIES)
         self.body[name] = table or bodies.body(dice, self.taste["bodies"])
         reverse = dice.chance(0.3) if reverse is None else reverse
+        self._drive(joint)
         near = near or self._somewhere(parent)
         far = far or (frames.place(dice, 0.4) if dice.chance(0.6) else ({}, frames.HERE))
         pose = frames.inverse(joint.pose) if reverse else joint.pose
@@ -69,7 +70,6 @@ class Mechanism:
         world_far = frames.compose(world_near, pose)
         self.poses[name] = frames.compose(world_far, frames.inverse(far[1]))
         owners = [(parent, near, world_near), (name, far, world_far)]
-        self._drive(joint)
         self._enter(joint, owners[::-1] if reverse else owners, name if reverse else None)
         first, second = [world for _, _, world in (owners[::-1] if reverse else owners)]
         path = dict(self.paths[parent])
@@ -193,8 +193,11 @@ class Mechanism:
         """Velocities that are left."""
         return self.n - _rank(self.rows)
 
-    def restrict(self, rows, rates, least=1, expected=None):
-        """Adds rows (k, n) if they are as many independent ones as expected and leave freedoms enough; whether they did."""
+    def restrict(self, rows, rates, least=1, expected=None, locks=False):
+        """Adds rows (k, n) if they are as many independent ones as expected and leave freedoms enough; whether they did.
+
+        locks : whether joints that moved may move no more; else that is rare.
+        """
         sizes = np.maximum(np.linalg.norm(rows, axis=1), 1e-9)
         rows = rows / sizes[:, None]
         rates = [None if rate is None else rate / size for rate, size in zip(rates, sizes)]
@@ -202,6 +205,8 @@ class Mechanism:
         gained = _rank(both) - _rank(self.rows.reshape(-1, self.n))
 
         if gained != (len(rows) if expected is None else expected) or self.n - _rank(both) < least:
+            return False
+        if not locks and self.dice.chance(0.95) and _locked(both) > _locked(self.rows):
             return False
 
         self.rows, self.rates = both, self.rates + rates
@@ -287,7 +292,8 @@ class Mechanism:
     def hold_drivers(self):
         """Keeps the drivers that the loops allow and that leave something to move; drops the others."""
         for joint in self.joints:
-            if joint.driven and not self.restrict(self.row(joint)[None], [joint.rate], 0 if self.dice.chance(0.2) else 1):
+            least = 0 if self.dice.chance(0.2) else 1
+            if joint.driven and not self.restrict(self.row(joint)[None], [joint.rate], least, locks=True):
                 del joint.table["driver"]
                 joint.rate, joint.says = None, "all"
 
@@ -369,6 +375,15 @@ class Mechanism:
 
         moments = np.linalg.eigvalsh(free.T @ M @ free)
         return float(moments[0]) if len(moments) else 1.0
+
+
+def _locked(rows):
+    """How many of the velocities rows (k, n) leave no freedom."""
+    if not rows.size:
+        return 0
+
+    free = null_space(rows, rcond=RANK)
+    return int(np.sum(np.linalg.norm(free, axis=1) < RANK))
 
 
 def _rank(rows):
