@@ -18,23 +18,23 @@ from .making.dice import Dice
 from .making.mechanism import Mechanism
 
 TREE = {
-    "revolute": 6, "prismatic": 5, "spherical": 1.8, "free": 1.5, "cylindrical": 1.2, "universal": 2, "planar": 1.5,
-    "translation": 1.5, "screw": 1.5, "fixed": 1,
+    "revolute": 6, "prismatic": 6, "spherical": 2.2, "free": 1.5, "cylindrical": 1.2, "universal": 3.5, "planar": 1.5,
+    "translation": 2, "screw": 2, "fixed": 1,
 }
 LOOPS = {
     "revolute": 2.5, "prismatic": 2, "spherical": 1.2, "cylindrical": 1.2, "universal": 1.2, "planar": 1.2, "translation": 1,
     "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1, "distance": 1.2, "rolling_sphere": 1,
-    "rolling_disk": 1, "knife_edge": 1, "point_on_curve": 2, "curve_on_curve": 1.5, "point_on_surface": 3,
+    "rolling_disk": 1.3, "knife_edge": 1, "point_on_curve": 2, "curve_on_curve": 1.5, "point_on_surface": 3,
 }
 # kinds of trees: what they are mostly of
 FAMILIES = {
     "all": (3, TREE),
-    "hinges": (3, {"revolute": 5, "prismatic": 5}),
+    "hinges": (3, {"revolute": 5, "prismatic": 7}),
     "loose": (2, {"free": 4, "spherical": 1, "planar": 1, "translation": 1, "cylindrical": 1, "revolute": 1}),
 }
 
 # how starts are written, and how far joints then are from their zero positions
-STARTS = {"fit": 5, "places": 1.5, "part": 4, "none": 1, "off": 1, "contradicting": 0.3}
+STARTS = {"fit": 5, "places": 1.5, "part": 5, "none": 1, "off": 1, "contradicting": 0.3}
 RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 
 # small scenes rich in one feature each
@@ -101,7 +101,7 @@ def _taste(dice, size, focus):
         "planar": dice.pick([0.0, 0.0, 0.0, 0.25]), "wheel": dice.pick([0.0, 0.1, 0.4]), "fast": 0.3, "off axis": 0.1,
         "loops": (loops, loops), "couplings": (couplings, couplings),
         "offset": 0.5, "misfit": 0.1 if starts != "off" else 0.5,
-        "driver": dice.pick([0.0, 0.3, 0.6]), "drivers": motions.WAYS, "spring": 0.3, "damper": 0.3, "friction": 0.12,
+        "driver": dice.pick([0.0, 0.4, 0.7]), "drivers": motions.WAYS, "spring": 0.3, "damper": 0.3, "friction": 0.12,
         "stop": 0.2, "input": dice.pick([0.0, 0.2, 0.5]), "forces": (0, 1 + n // 3), "force kinds": forces.KINDS,
         "added mass": 0.4, "ground": 0.4, "grounds": motions.GROUND, "measures": (0, dice.pick([0, 1, 2])),
         "central": 0.05, "outputs": {"all": 2, "some": 3, "few": 2},
@@ -133,6 +133,9 @@ def _scene(dice, taste, seed):
     while len(mechanism.body) < taste["size"]:
         mechanism.grow()
 
+    if not mechanism.n:
+        return None
+
     mechanism.rows = np.zeros((0, mechanism.n))
     mechanism.close_chains()
 
@@ -144,7 +147,7 @@ def _scene(dice, taste, seed):
     for _ in range(dice.whole(*taste["couplings"])):
         mechanism.couple()
 
-    if not mechanism.freedom() and not (any(j.driven for j in mechanism.joints) or motion) or not mechanism.n:
+    if not mechanism.freedom() and not (any(j.driven for j in mechanism.joints) or motion):
         return None
 
     v = mechanism.velocities(dice.number(0.3, 1.5))
@@ -210,7 +213,7 @@ def _frames(mechanism):
             yield marker, lambda teller: teller.decoration() | teller.frame()
 
     for marker in mechanism.ground_marker.values():
-        yield marker, telling.Teller.decoration
+        yield marker, lambda teller: teller.decoration(0.1)
 
 
 def _measures(dice, mechanism, taste, teller):
@@ -256,12 +259,12 @@ def _start(dice, mechanism, joint, v, sort):
     start = kinds.start(dice, joint, mechanism.velocity_of(joint, v) if rates else np.zeros(0)) if given else {}
 
     if sort == "part" and not joint.driven:
-        return kinds.in_part(dice, joint, start) if dice.chance(0.7) else {}
+        return kinds.in_part(dice, joint, start) if dice.chance(0.85) else {}
 
     if sort in ("off", "contradicting") and dice.chance(0.5):
         return _shaken(dice, start, 0.03 if sort == "off" else 0.5)
 
-    return start
+    return kinds.in_tables(start) if dice.chance(0.2) else start
 
 
 def _shaken(dice, start, size):

@@ -328,6 +328,14 @@ def _rates(dice, joint, v):
 NAMES = {"position": "xyz", "velocity": "xyz", "omega": "xyz", "omega_body": "xyz", "angles": ("first", "second"), "speeds": ("first", "second")}
 
 
+def in_tables(table):
+    """The start table with its vectors as tables of all their components."""
+    names = {key: NAMES.get(key.removesuffix("_deg")) for key in table}
+    return {
+        key: dict(zip(names[key], value)) if isinstance(value, list) and names[key] else value for key, value in table.items()
+    }
+
+
 def in_part(dice, joint, table):
     """The start table with some vectors given in part, and some keys not at all."""
     parted = {}
@@ -335,11 +343,11 @@ def in_part(dice, joint, table):
     for key, value in table.items():
         names = NAMES.get(key.removesuffix("_deg"))
 
-        if isinstance(value, list) and names and dice.chance(0.6):
-            kept = dice.some(range(len(value)), 1)
+        if isinstance(value, list) and names and dice.chance(0.8):
+            kept = sorted(dice.some(range(len(value)), 1))
             value = {names[k]: value[k] for k in kept}
 
-        if dice.chance(0.8):
+        if dice.chance(0.9):
             parted[key] = value
 
     return parted

@@ -201,8 +201,8 @@ class Mechanism:
         sizes = np.maximum(np.linalg.norm(rows, axis=1), 1e-9)
         rows = rows / sizes[:, None]
         rates = [None if rate is None else rate / size for rate, size in zip(rates, sizes)]
-        both = np.vstack([self.rows.reshape(-1, self.n), rows])
-        gained = _rank(both) - _rank(self.rows.reshape(-1, self.n))
+        both = np.vstack([self.rows, rows])
+        gained = _rank(both) - _rank(self.rows)
 
         if gained != (len(rows) if expected is None else expected) or self.n - _rank(both) < least:
             return False
@@ -234,7 +234,7 @@ class Mechanism:
             a, b = dice.some(owners, 2)[:2]
             if {a, b} == {"ground", "inertial"}:
                 a = dice.pick(self.body)
-            if any(joint.shapes) and dice.chance(0.4) and b != "ground":
+            if any(joint.shapes) and dice.chance(0.5) and b != "ground":
                 a = "ground"
 
             if kind in kinds.ONE:
@@ -307,6 +307,8 @@ class Mechanism:
             last = next(reversed(self.coupling.values()), None)
             if last and dice.chance(0.5):
                 first = next(joint for joint in joints if joint.name == last["between"][1])
+            elif first.kind == "prismatic" and dice.chance(0.5):
+                first, second = second, first
             if first is second or (first.driven and second.driven):
                 continue
 

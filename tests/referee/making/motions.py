@@ -7,8 +7,8 @@ from .inside import degrees
 
 READING = ("smooth", "quintic", "cubic", "linear")
 WAYS = {
-    "constant_speed": 1.2, "hold": 0.8, "harmonic": 1.5, "harmonics": 1.8, "polynomial": 1.1, "ramp": 1.1, "table": 2.6,
-    "speed_table": 2.8, "input": 2,
+    "constant_speed": 1.2, "hold": 0.8, "harmonic": 1.5, "harmonics": 1.8, "polynomial": 1.1, "ramp": 1.1, "table": 3.3,
+    "speed_table": 3.5, "input": 2,
 }
 
 

@@ -72,12 +72,12 @@ class Teller:
 
         return table
 
-    def decoration(self) -> dict:
+    def decoration(self, often=0.04) -> dict:
         """A curve or a surface that nothing touches."""
         table = {}
-        if self.dice.chance(0.04):
+        if self.dice.chance(often):
             table["curve"] = shapes.curve(self.dice).table
-        if self.dice.chance(0.04):
+        if self.dice.chance(often):
             table["surface"] = shapes.surface(self.dice).table
         return table
 
