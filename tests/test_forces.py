@@ -213,28 +213,6 @@ def test_tension_feels_its_own_input_at_once():
     assert_near(Instance(model).outputs()[-1], 1.5, 1e-15)
 
 
-def test_bushing_is_a_linear_force():
-    rng = np.random.default_rng(1)
-    L, C = rng.normal(size=(2, 6, 6))
-    found = []
-
-    for kind in ("bushing", "linear"):
-        scene = Scene.model_validate(
-            {
-                "name": "bushing",
-                "body": {name: {"mass": 1.0, "inertia": [0.1, 0.2, 0.25]} for name in ("a", "b")},
-                "joint": {
-                    "ja": {"free": {}, "between": ["ground", "a"], "start": {"position": [1, 0, 0], "omega": [1, 2, 3]}},
-                    "jb": {"free": {}, "between": ["ground", "b"], "start": {"zyx_deg": [10, 20, 30], "velocity": [1, 0, 2]}},
-                },
-                "force": {"f": {kind: {"stiffness": L @ L.T, "damping": C @ C.T}, "between": ["a", "b"]}},
-            }
-        )
-        found.append(evaluate(Instance(compile_scene(scene))))
-
-    assert np.array_equal(*found)
-
-
 def floating(**load):
     """A free body, its load at its centre of mass."""
     return compile_scene(

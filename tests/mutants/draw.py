@@ -5,19 +5,12 @@ A mutant's lot is a hash of the seed and of what it changes, so a change of the 
 
 import hashlib
 from itertools import count
-from pathlib import Path
 
 from .operators import Mutant, changes, defaults_of, mutants_of
-from .reach import PACKAGE, PARTS
+from .reach import sources
 
 UNTOUCHED = ("kernels/language.py", "kernels/layout.py", "kernels/status.py", "scene/errors.py", "scene/messages.py")
 """What compiles the kernels, names of arrays, and texts of messages."""
-
-
-def sources(package: Path = PACKAGE) -> dict[str, str]:
-    """Text by file of the parts in which mutants live."""
-    paths = sorted(path for part in PARTS for path in (package / part).glob("*.py"))
-    return {path.relative_to(package).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
 def name_of(mutant: Mutant) -> str:

@@ -1,19 +1,30 @@
 """Runs the tests that reach a mutant against it, in a private copy of the package, until one of them fails."""
 
+import importlib
 import json
+import multiprocessing
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
+from . import reach
 from .operators import Mutant
 from .reach import PACKAGE, ROOT, environment
 
-BATCHES = (3.0, 60.0)
+# what tests import takes longer than they do: it is there already in the processes that are forked for them
+for module in ("numba.core", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.spatial.transform", "pydantic",
+               "hypothesis.strategies", "lxml.etree", "fmpy", "mpmath", "rich.progress", "llvmlite.binding"):  # fmt: skip
+    importlib.import_module(module)
+
+FORK = multiprocessing.get_context("fork")
+
+BATCHES = (3.0, 40.0)
 """s of tests (timed with every line watched) in each run of pytest: a short one, and one for what passes that."""
 
 CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
@@ -56,23 +67,19 @@ class Copy:
         results.unlink(missing_ok=True)
         chosen = self.root / "chosen.json"
         chosen.write_text(json.dumps({test: 5.0 + 5.0 * times[test] for test in tests}))
-        files = sorted({test.partition("::")[0] for test in tests})
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "tests.mutants.reach"]
         variables = environment(self.root, MUTANTS_CHOSEN=str(chosen), MUTANTS_RESULTS=str(results))
-        most = 60.0 + 6.0 * sum(times[test] for test in tests)
+        run = FORK.Process(target=_pytest, args=(self.root, variables, sorted({test.partition("::")[0] for test in tests})))
         begin = time.perf_counter()
-
-        try:
-            done = subprocess.run(
-                [*command, *files], cwd=self.root, env=variables, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                timeout=most, check=False,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            return Verdict(BY_TIME, "the whole run", time.perf_counter() - begin)
-
+        run.start()
+        run.join(60.0 + 6.0 * sum(times[test] for test in tests))
         seconds = time.perf_counter() - begin
 
-        if done.returncode == 0:
+        if run.is_alive():
+            run.kill()
+            run.join()
+            return Verdict(BY_TIME, "the whole run", seconds)
+
+        if run.exitcode == 0:
             return None
 
         ran = json.loads(results.read_text()) if results.exists() else {}
@@ -82,6 +89,19 @@ class Copy:
                 return Verdict(BY_TIME if result.get("slow") else CAUGHT, test, seconds)
 
         return Verdict(CAUGHT, "importing package and tests", seconds)
+
+
+def _pytest(root, variables, files):
+    """In a process of its own: pytest at the root of a copy, silent."""
+    os.chdir(root)
+    os.environ.update(variables)
+    sys.path.insert(0, str(root))
+    sys.dont_write_bytecode = True
+    silence = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silence, 1)
+    os.dup2(silence, 2)
+    plugins = ["-p", "no:cacheprovider", "-p", reach.__name__]
+    os._exit(pytest.main(["-q", "-x", "--tb=no", *plugins, *files]))
 
 
 def reaching(mutant: Mutant, by_line: dict, times: dict[str, float]) -> list[str]:

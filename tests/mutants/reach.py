@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from difflib import SequenceMatcher
 from functools import cache
 from pathlib import Path
 
@@ -23,8 +24,8 @@ PACKAGE = ROOT / "mbdfmi"
 PARTS = ("kernels", "compiler", "scene")
 """Parts of the package in which mutants live."""
 
-QUICK = 3.0
-"""s, with every line watched, that a quick test takes at most."""
+QUICK = 2.0
+"""s of the processor, with every line watched, that a quick test takes at most."""
 
 SETS = 5
 """Sets of parameters of one test, and random examples of one, that are run."""
@@ -49,48 +50,69 @@ def cache_folder():
     return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "mbdfmi-mutants"
 
 
-@cache
-def package_hash():
-    """Hash (hex) of the parts in which mutants live, for which lines were measured."""
-    digest = hashlib.sha256()
-
-    for path in sorted(path for part in PARTS for path in (PACKAGE / part).glob("*.py")):
-        digest.update(path.name.encode() + path.read_bytes())
-
-    return digest.hexdigest()[:16]
+def sources() -> dict[str, str]:
+    """Text by file, relative to the package, of the parts in which mutants live."""
+    paths = sorted(path for part in PARTS for path in (PACKAGE / part).glob("*.py"))
+    return {path.relative_to(PACKAGE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
-def measured(test_file):
-    """{test: {"time": s, "passed": bool, "lines": {file: [lines]}}} of one test file, from the cache or measured now."""
+def _hash(text):
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def measured(test_file, anew=False):
+    """({test: {"time": s, "passed": bool, "lines": {file: [lines]}}} of a test file, the sources that it was measured on).
+
+    From the cache, be it of other sources than those now, or measured now.
+    """
     relative = test_file.relative_to(ROOT).as_posix()
-    name = hashlib.sha256(relative.encode() + test_file.read_bytes()).hexdigest()[:16]
-    kept = cache_folder() / package_hash() / f"{test_file.stem}-{name}.json"
+    name = f"{test_file.stem}-{_hash(test_file.read_text(encoding='utf-8'))}.json"
+    here = cache_folder() / _hash(json.dumps(sources()))
+    known = sorted(cache_folder().glob(f"*/{name}"), key=lambda path: path.stat().st_mtime)
+    kept = known[-1] if known and not anew else here / name
 
-    if not kept.exists():
-        kept.parent.mkdir(parents=True, exist_ok=True)
+    if anew or not known:
+        here.mkdir(parents=True, exist_ok=True)
+        (here / "sources.json").write_text(json.dumps(sources()))
         part = kept.with_suffix(f".{os.getpid()}")
-        command = [sys.executable, "-m", "pytest", "-q", "--tb=no", "-p", "no:cacheprovider", "-p", "tests.mutants.reach", relative]
+        plugins = ["-p", "no:cacheprovider", "-p", "tests.mutants.reach"]
+        command = [sys.executable, "-m", "pytest", "-q", "--tb=no", *plugins, relative]
         variables = environment(ROOT, MUTANTS_RESULTS=str(part))
         subprocess.run(command, cwd=ROOT, env=variables, stdout=subprocess.DEVNULL, check=False)
         part.rename(kept)
 
-    return json.loads(kept.read_text())
+    return json.loads(kept.read_text()), _sources_at(kept.parent)
 
 
-def tests_by_line(progress=None):
+@cache
+def _sources_at(folder):
+    return json.loads((folder / "sources.json").read_text())
+
+
+@cache
+def _moved(before, after):
+    """{line: line} of those that two texts share."""
+    blocks = SequenceMatcher(None, before.split("\n"), after.split("\n"), autojunk=False).get_matching_blocks()
+    return {i + k + 1: j + k + 1 for i, j, size in blocks for k in range(size)}
+
+
+def tests_by_line(progress=lambda name: None):
     """({(file, line): [tests]}, {test: s}) of all quick tests that pass; files relative to the package's root."""
     reaching, times = {}, {}
+    now = sources()
 
     for test_file in test_files():
-        if progress:
-            progress(test_file.name)
+        progress(test_file.name)
+        results, before = measured(test_file)
 
-        for test, found in measured(test_file).items():
+        for test, found in results.items():
             if found["passed"]:
                 times[test] = found["time"]
 
                 for file, lines in found["lines"].items():
-                    for line in lines:
+                    moved = _moved(before[file], now.get(file, "")) if before[file] != now.get(file) else None
+
+                    for line in lines if moved is None else (moved[line] for line in lines if line in moved):
                         reaching.setdefault((file, line), []).append(test)
 
     return reaching, times
@@ -139,10 +161,10 @@ class Watch:
         if not self.chosen:
             self.lines.switch_context(item.nodeid)
 
-        begin = time.perf_counter()
+        begin = time.process_time()
         self.results[item.nodeid] = {"passed": True, "failed": False}
         result = yield
-        self.results[item.nodeid]["time"] = time.perf_counter() - begin
+        self.results[item.nodeid]["time"] = time.process_time() - begin
         return result
 
     @pytest.hookimpl(wrapper=True)
@@ -152,8 +174,8 @@ class Watch:
         if function in self.slow and not self.chosen:
             pytest.skip("another set of parameters is too slow")
 
-        signal.signal(signal.SIGALRM, self.stop)
-        signal.setitimer(signal.ITIMER_REAL, self.chosen[item.nodeid] if self.chosen else QUICK)
+        signal.signal(signal.SIGPROF, self.stop)
+        signal.setitimer(signal.ITIMER_PROF, self.chosen[item.nodeid] if self.chosen else QUICK)
 
         try:
             return (yield)
@@ -162,7 +184,7 @@ class Watch:
             self.results[item.nodeid]["slow"] = True
             raise
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.setitimer(signal.ITIMER_PROF, 0)
 
     def stop(self, *_):
         raise TooSlow
