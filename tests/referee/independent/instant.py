@@ -164,7 +164,8 @@ class Instant:
         for e in self.system.elements.values():
             if e.kind == "spring_damper" and e.rest_is_of_start:
                 (r1, *_), (r2, *_) = (self.frame(end) for end in e.ends)
-                e.spring.rest = np.linalg.norm(r2 - r1)
+                rest = self.hints.number(e.name, "rest_length")
+                e.spring.rest = np.linalg.norm(r2 - r1) if rest is None else rest
 
     # what acts
 

@@ -241,9 +241,6 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     linear, angular, centre, total = np.zeros(3), np.zeros(3), np.zeros(3), 0.0
 
     for name, (mass, com, inertia) in system.mass.items():
-        if not _moves(system, name):
-            continue
-
         r, A, v, w = now.motions[name][:4]
         place, speed = r + A @ com, v + np.cross(w, A @ com)
         spin = A @ inertia @ A.T @ w
@@ -292,19 +289,3 @@ def _on_ground(now, acceleration, multipliers):
     """Force and moment about its origin on the ground: joints, forces, added mass."""
     on = now.pull + now.C.T @ multipliers - now.M @ acceleration - now.bias
     return on[:6]
-
-
-def _moves(system, body):
-    """Whether a body moves: not where it is fixed to a ground that stands still, directly or through others."""
-    if system.ground.spec:
-        return True
-
-    fixed, waiting = {"ground"}, True
-
-    while waiting:
-        pairs = [{end.partition(".")[0] for end in j.ends} for j in system.joints.values() if j.kind == "fixed"]
-        more = {owner for pair in pairs if pair & fixed for owner in pair} - fixed
-        fixed |= more
-        waiting = bool(more)
-
-    return body not in fixed

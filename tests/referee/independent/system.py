@@ -223,7 +223,8 @@ class System:
             (a, alpha) after these where they are not commanded.
         inputs : name -> value, or array whose first axis is the order of the derivative.
         hints : what is known from elsewhere, by variable name: whole turns of angles, parameters s near which to look, the
-            speed and acceleration of joints that inputs drive, the sign of Euler parameters.
+            speed and acceleration of joints that inputs drive, the sign of Euler parameters; at the start, rest lengths of
+            struts that the scene leaves to the start values, where these are not where it starts.
         """
         return outputs.tell(self, self.solve(t, motions, inputs, hints))
 
