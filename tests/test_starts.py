@@ -536,3 +536,83 @@ def test_an_fmu_warns_of_starts_that_are_moved(tmp_path):
         slave.free()
 
     assert "the angle of b in deg at the start is given as 55, but taken as 56" in told[1][2]
+
+
+# what is as at the start, the right way round
+
+
+@formulations
+@pytest.mark.parametrize("kind", ["fixed", "translation", "prismatic", "revolute", "cylindrical", "screw", "planar"])
+@pytest.mark.parametrize("axis, angle", [((1, -1, 1), 120), ((1, 1, 1), -120), ((1, 0, 0), 180), ((0, 1, 1), 170), ((1, 0.1, 0), 100)])
+def test_loops_close_the_right_way_round(formulation, kind, axis, angle):
+    """Where products of axes vanish too, axes antiparallel or in each other's places, no loop is closed."""
+    turned = {"axis_angle": {"axis": axis, "angle_deg": angle}}
+    options = {"screw": {"pitch": 0.1}}.get(kind, {})
+    joints = {
+        "ball": {"spherical": {}, "between": ["ground", "b"], "output": ["omega"]},
+        "keeps": {kind: options, "between": ["ground.turned", "b"]},
+    }
+    seen = {"between": ["ground.turned", "b"], "output": ["euler_parameters"]}
+    scene = {"body": {"b": BLOCK}, "joint": joints, "measure": {"seen": seen}, "ground": {"marker": {"turned": turned}}}
+    _, found = start(scene, formulation)
+    x, y, _, w = (found[f"seen.euler_parameters[{k}]"] for k in (1, 2, 3, 4))
+    assert 1 - 2 * (x * x + y * y) == pytest.approx(1.0, abs=1e-12)
+
+    if kind in ("fixed", "translation", "prismatic"):
+        assert abs(w) == pytest.approx(1.0, abs=1e-12)
+
+
+def three_bars(**last):
+    """Three bars of 1 m between hinges 2 m apart; only the first has a start, so that the loop is open at the guesses."""
+    hinge = {"revolute": {"axis": "y"}}
+    ends = [["ground", "a"], ["a.end", "b"], ["b.end", "c"], ["c.end", "ground.far"]]
+    joints = {name: hinge | {"between": pair} for name, pair in zip("1234", ends)}
+    joints["1"]["start"] = {"angle_deg": -60}
+    bars = {name: bar(1.0) for name in "abc"}
+    return {"ground": {"marker": {"far": {"position": [2, 0, 0]}}}, "body": bars, "joint": joints} | last
+
+
+@formulations
+def test_a_strut_without_rest_length_is_slack_at_the_start(formulation):
+    """Once the loop is closed the knee is sqrt(3) m from the ground's hinge."""
+    strut = {"spring_damper": {"stiffness": 100}, "between": ["ground", "b.end"], "output": ["length", "tension"]}
+    instance, found = start(three_bars(force={"strut": strut}, output=["spring_energy"]), formulation)
+    assert found["strut.length"] == pytest.approx(3**0.5, abs=1e-12)
+    assert found["strut.tension"] == found["spring_energy"] == 0.0
+    told = start(three_bars(force={"strut": strut}), formulation, {"strut.rest_length": 1.5})[1]
+    assert told["strut.tension"] == pytest.approx(100 * (3**0.5 - 1.5), abs=1e-9)
+
+
+@formulations
+def test_a_distance_without_length_is_that_of_the_start(formulation):
+    """It restricts no start, and holds what it finds there."""
+    scene = three_bars(output=["constraint_gap"])
+    scene["joint"]["rod"] = {"distance": {}, "between": ["ground", "b.end"]}
+    scene["measure"] = {"seen": {"between": ["ground", "b.end"], "output": ["distance"]}}
+    instance, found = start(scene, formulation)
+    assert found["seen.distance"] == pytest.approx(3**0.5, abs=1e-12) and found["constraint_gap"] < 1e-12
+
+    free = {name: joint for name, joint in scene["joint"].items() if name != "4"}
+    instance, found = start(scene | {"joint": free}, formulation)
+    length = found["seen.distance"]
+
+    for _ in range(5):
+        instance.step(0.1)
+        assert named(instance)["seen.distance"] == pytest.approx(length, abs=1e-9)
+
+
+def test_slack_at_the_start_of_this_run():
+    """A start value that is set, or a drive at another start time, changes what the start's length is; restored states keep theirs."""
+    strut = {"spring_damper": {"stiffness": 100}, "between": ["ground.up", "b.end"], "output": ["length", "tension"]}
+    scene = {
+        "ground": {"marker": {"up": {"position": [0, 0, 2]}}},
+        "body": {"b": bar(1.0)},
+        "joint": {"j": {"revolute": {"axis": "y"}, "between": ["ground", "b"], "start": {"angle": 0.0}}},
+        "force": {"strut": strut},
+    }
+    assert start(scene, parameters={"j.angle_start": 0.7})[1]["strut.tension"] == 0.0
+    driven = {"revolute": {"axis": "y"}, "between": ["ground", "b"], "driver": {"harmonic": {"amplitude": 1.0, "frequency": 0.3}}}
+    instance, found = start(scene | {"joint": {"j": driven}}, time=0.8)
+    assert found["strut.tension"] == 0.0
+    instance.step(0.5)
+    assert named(instance)["strut.tension"] == pytest.approx(100 * (named(instance)["strut.length"] - found["strut.length"]), abs=1e-9)

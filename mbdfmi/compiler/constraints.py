@@ -109,13 +109,14 @@ def _joint_constraint(builder, name):
         value = joint.radius
     elif joint.kind == "distance":
         first, second = (start_pose(builder, end)[0] for end in joint.between)
-        value = joint.length or norm(second - first)
+        value = joint.length or norm(second - first) or 1.0
 
     return dict(
         name=name,
         markers=[builder.joint_marker(name, side, turn) for side, turn in enumerate(_turns(joint))] + [-1, -1],
         nodes=builder.nodes_of(name),
         rows=_rows(builder, name, joint),
+        at_start=joint.kind == "distance" and joint.length is None,
         value=(value, 0.0),
         offset=0.0,
         drive=-1,
@@ -249,6 +250,9 @@ def _add_tables(builder, constraints, paths, meets):
             builder.tables["n_path"].add(path_node=i, path_at=at)
             at += n_v[i]
 
+        # how many products of axes there are tells which axes they keep parallel
+        parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint["rows"]) - 1)
+
         for kind, i, j in constraint["rows"]:
             builder.tables["n_row"].add(
                 row_constraint=c,
@@ -259,6 +263,7 @@ def _add_tables(builder, constraints, paths, meets):
                 row_offset=constraint["offset"],
                 row_drive=constraint["drive"],
                 row_at_start=constraint.get("at_start", False),
+                row_parallel=parallel if kind == rows.DOT else 0,
             )
             reach += width
             row += 1

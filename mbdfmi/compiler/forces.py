@@ -73,7 +73,9 @@ def _add_strut(builder, name, force, ends):
     if force.input:
         u = builder.add_inputs(dotted(name, "force"), (), "N", f"force of {name} beside its spring, tension positive", nodes)
 
-    if rest is None:
+    slack = rest is None
+
+    if slack:
         first, second = (start_pose(builder, end)[0] for end in force.between)
         rest = norm(second - first)
 
@@ -83,15 +85,17 @@ def _add_strut(builder, name, force, ends):
         strut_spring_table=table,
         strut_damper_table=damper_table,
         strut_u=u,
+        strut_slack=slack,
         strut_stiffness=stiffness,
         strut_damping=damping,
         strut_rest=rest,
+        strut_told=rest,
     )
 
     if linear:
         about = f"stiffness of {name}"
         builder.add_parameters(dotted(name, "stiffness"), "strut_stiffness", row, stiffness, "N/m", about)
-        about = f"length of {name} without force"
+        about = f"length of {name} without force" + "; left as it is, the length at the start of the run" * slack
         builder.add_parameters(dotted(name, "rest_length"), "strut_rest", row, rest, "m", about)
 
     if damper_table < 0:

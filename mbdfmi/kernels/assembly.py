@@ -699,7 +699,9 @@ def assemble(m, d):
     tree.kinematics(m, d)
     contacts.start(m, d)
     keep_x(m, d)
+    d.assembling[0] = 1.0
     failure = find_positions(m, d)
+    d.assembling[0] = 0.0
 
     if failure == OK:
         settle(m, d)

@@ -50,6 +50,8 @@ def initialise(m, d, t0):
     if failure != OK:
         return notes.tell_open(m, d, failure)
 
+    tree.kinematics(m, d)
+    forces.find_slack_lengths(m, d)
     notes.tell_of_start(m, d)
     return OK
 

@@ -8,6 +8,8 @@ Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p lev
 point of the first body that is where the second's is.
 """
 
+import math
+
 from numba.types import void
 
 from . import algebra as al
@@ -172,6 +174,42 @@ def effort_on(m, row, i):
     return effort
 
 
+@inlined
+def turn_left(kind, A_a, A_b):
+    """Rotation vector (rad, inertial axes) that brings a's axes, or with `kind` 1 its z axis, to b's, where it is beyond 90 deg; else 0.
+
+    The rows are products of axes: they vanish also where axes are antiparallel, or have changed places.
+    """
+    if kind == 1:
+        z_a = al.column(A_a, 2)
+        z_b = al.column(A_b, 2)
+        n = al.cross(z_a, z_b)
+        s = al.norm(n)
+        c = al.dot(z_a, z_b)
+
+        if c >= 0.0:
+            return al.ZERO3
+
+        return al.scale(math.atan2(s, c) / s, n) if s > 0.0 else al.scale(math.pi, al.column(A_a, 0))
+
+    E = al.matrix_E(al.mat_mat(A_b, al.transpose(A_a)))
+    s = math.sqrt(E[0] * E[0] + E[1] * E[1] + E[2] * E[2])
+
+    if s <= abs(E[3]):
+        return al.ZERO3
+
+    angle = 2.0 * math.atan2(s, abs(E[3])) * (1.0 if E[3] >= 0.0 else -1.0)
+    return al.scale(angle / s, (E[0], E[1], E[2]))
+
+
+@inlined
+def aim_parallel(d, row, turn, e_i, e_j):
+    """While assembling, a row of axes more than 90 deg apart: what is left to turn, about its axis at the end. e_i, e_j : of a."""
+    u = al.cross(e_j, e_i)
+    set_row(d, row, al.neg(u), al.ZERO3, u, al.ZERO3)
+    set_residuals(d, row, al.dot(turn, u), 0.0, 0.0)
+
+
 @apart(void(MODEL, DATA))
 def write_rows(m, d):
     """All rows' wrenches and residuals; needs kinematics."""
@@ -214,13 +252,19 @@ def write_rows(m, d):
                 set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
                 set_residuals(d, row, al.dot(e_a, e_b), al.dot(w, n), al.dot(w, n_rate))
 
+                if d.assembling[0] > 0.0 and m.row_parallel[row] > 0:
+                    turn = turn_left(m.row_parallel[row], A_a, A_b)
+
+                    if al.dot(turn, turn) > 0.0:
+                        aim_parallel(d, row, turn, e_a, axis_of(A_a, j))
+
             elif kind == DISTANCE:
                 length = m.row_value[2 * row]
                 u = al.scale(1.0 / length, span)
                 v = al.sub(v_b, markers.velocity(m, d, a))
                 lever = markers.arm(m, d, a)
                 set_push(d, row, u, lever, p)
-                gap = 0.5 * (al.dot(span, span) / length - length)
+                gap = 0.5 * (al.dot(span, span) / length - length) if d.row_settles[row] == 0.0 else 0.0
                 bias = al.dot(v, v) / length
                 bias += al.dot(u, al.sub(centripetal(w_b, p), centripetal(w_a, lever)))
                 set_residuals(d, row, gap, al.dot(u, v), bias)
