@@ -408,3 +408,19 @@ def test_an_inertia_that_no_body_has_is_taken_as_it_is(formulation, inertia, che
     r = scene.simulate(until=0.1, step=0.05, inputs={"j.torque": 0.3})
     check(np.abs(r["j.acceleration"] - 0.3 / inertia[1]).max(), 1e-9)
     assert any("[body.link] inertia" in notice for notice in r.notices)
+
+
+def test_a_part_without_mass_at_the_centre_of_gravity():
+    """It has no weight there; the planet's moon hangs on it by a driven arm."""
+    data = {
+        "name": "hub",
+        "central_gravity": {"mu": 4.0},
+        "body": {"hub": {"mass": 0.0, "inertia": [0, 0, 1.0], "output": ["alpha"]}, "moon": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        "joint": {
+            "turn": {"revolute": {}, "between": ["inertial", "hub"], "start": {"speed": 0.5}},
+            "arm": {"prismatic": {"axis": "x"}, "between": ["hub", "moon"], "start": {"position": 2.0}, "output": ["acceleration"]},
+        },
+        "output": ["gravity_energy"],
+    }
+    found = Instance(compile_scene(Scene(**data))).outputs()
+    assert found == pytest.approx([2 * 0.25 - 1.0, 0, 0, 0, -2.0], abs=1e-14)

@@ -18,6 +18,10 @@ def add_central_weight(m, d):
     """Add it to the applied wrenches."""
     for c in range(m.n_central):
         for k in range(m.n_solid):
+            # what has no mass may be at the centre
+            if m.solid_mass[k] == 0.0:
+                continue
+
             r = solid_com(m, d, k)
             distance = al.norm(r)
             weight = al.scale(-m.central_mu[c] * m.solid_mass[k] / (distance * distance * distance), r)
@@ -31,6 +35,9 @@ def central_energy(m, d):
 
     for c in range(m.n_central):
         for k in range(m.n_solid):
+            if m.solid_mass[k] == 0.0:
+                continue
+
             energy -= m.central_mu[c] * m.solid_mass[k] / al.norm(solid_com(m, d, k))
 
     return energy
