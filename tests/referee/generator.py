@@ -128,7 +128,7 @@ def _scene(dice, taste, seed):
             motion, pose = motions.ground(dice, taste["grounds"])
 
     site = (far, 0.0, 0.0) if far and motion is None else (0.0, 0.0, 0.0)
-    mechanism = Mechanism(dice, taste, pose, site)
+    mechanism = Mechanism(dice, taste, pose, site, centre_free=not far, ground_moves=motion is not None)
 
     while len(mechanism.body) < taste["size"]:
         mechanism.grow()

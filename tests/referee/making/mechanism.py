@@ -14,16 +14,20 @@ class Mechanism:
 
     poses : of the owners of markers ("ground", "inertial", bodies) at the start, in the inertial frame. paths : of the same, a
     dict from each velocity coordinate to its twist (6,): angular velocity, and velocity at the inertial origin, inertial axes.
+    site : m, by which all on the ground is shifted; centre_free : whether bodies may be at the inertial origin; roots : of the
+    owners, "ground" or "inertial", which are one where the ground rests.
     rows, rates : what velocities v must obey, rows @ v = rates (None where a rate is not known).
     """
 
-    def __init__(self, dice, taste, ground_pose=frames.HERE, site=(0.0, 0.0, 0.0)):
+    def __init__(self, dice, taste, ground_pose=frames.HERE, site=(0.0, 0.0, 0.0), centre_free=True, ground_moves=False):
+        self.centre_free = centre_free
         self.dice, self.taste, self.site = dice, taste, np.array(site)
         self.names = names.Names(dice)
         self.body, self.ground_marker, self.coupling = {}, {}, {}
         self.joints, self.closings = [], []
         self.poses = {"ground": ground_pose, "inertial": frames.HERE}
         self.paths = {"ground": {}, "inertial": {}}
+        self.roots = {"ground": "ground", "inertial": "inertial" if ground_moves else "ground"}
         self.n = 0
         self.rows, self.rates = np.zeros((0, 0)), []
 
@@ -52,7 +56,7 @@ class Mechanism:
         if self.body and not dice.chance(self.taste["branching"]):
             return list(self.body)[-1]
 
-        owners = ["ground", *self.body] + (["inertial"] if dice.chance(0.15) and not self.site.any() else [])
+        owners = ["ground", *self.body] + (["inertial"] if dice.chance(0.15) and self.centre_free else [])
         return dice.pick(owners)
 
     def add_body(self, joint, parent=None, near=None, far=None, table=None, reverse=None):
@@ -81,6 +85,7 @@ class Mechanism:
             self.n += 1
 
         self.paths[name] = path
+        self.roots[name] = self.roots[parent]
         return name
 
     def _somewhere(self, owner):
@@ -156,6 +161,8 @@ class Mechanism:
         dice = self.dice
         axis = frames.axis(dice)
         base = self.parent()
+        # what closes it needs a marker there
+        base = "ground" if base == "inertial" else base
         near, owner = self._somewhere(base), base
         parallelogram = n == 3 and dice.chance(0.15)
         lengths = dice.numbers(n, 0.3, 0.8) if not parallelogram else [0.5, 0.8, 0.5]
@@ -188,6 +195,11 @@ class Mechanism:
         T = self.twists(b) - self.twists(a)
         v = T[3:] + np.cross(T[:3], second[0], axis=0)
         return np.vstack([first[1].T @ T[:3], first[1].T @ v])
+
+    def still(self, joint):
+        """0.0 where what the rows of a joint see rests while the bodies do, None where the ground's motion is in between."""
+        a, b = joint.owners
+        return 0.0 if self.roots[a] == self.roots[b] else None
 
     def freedom(self):
         """Velocities that are left."""
@@ -230,7 +242,7 @@ class Mechanism:
                 kind = dice.weighted(self.taste["cuts"])
 
             joint = kinds.draw(dice, kind, self._range())
-            owners = [*self.body, "ground"] + (["inertial"] if dice.chance(0.1) and not any(joint.shapes) else [])
+            owners = [*self.body, "ground"] + (["inertial"] if dice.chance(0.1) and self.centre_free and not any(joint.shapes) else [])
             a, b = dice.some(owners, 2)[:2]
             if {a, b} == {"ground", "inertial"}:
                 a = dice.pick(self.body)
@@ -274,10 +286,7 @@ class Mechanism:
         joint.world, joint.owners = tuple(w for _, _, w in owners), (a, b)
         rows = joint.rows @ self.seen(joint)
 
-        if expected is None:
-            fits = not len(rows) or self.restrict(rows, [0.0] * len(rows))
-        else:
-            fits = self.restrict(rows, [0.0] * len(rows), expected=expected)
+        fits = not len(rows) or self.restrict(rows, [self.still(joint)] * len(rows), expected=expected)
 
         if fits:
             self._enter(joint, owners)
@@ -293,7 +302,8 @@ class Mechanism:
         """Keeps the drivers that the loops allow and that leave something to move; drops the others."""
         for joint in self.joints:
             least = 0 if self.dice.chance(0.2) else 1
-            if joint.driven and not self.restrict(self.row(joint)[None], [joint.rate], least, locks=True):
+            rate = joint.rate if self.still(joint) is not None else None
+            if joint.driven and not self.restrict(self.row(joint)[None], [rate], least, locks=True):
                 del joint.table["driver"]
                 joint.rate, joint.says = None, "all"
 
@@ -321,7 +331,8 @@ class Mechanism:
             options, ratio = _ratio(kind, ratio)
             row = self.row(second) - ratio * self.row(first)
 
-            if self.restrict(row[None], [0.0]):
+            rate = 0.0 if None not in (self.still(first), self.still(second)) else None
+            if self.restrict(row[None], [rate]):
                 offset = second.value - ratio * first.value
                 if dice.chance(self.taste["offset"]):
                     if dice.chance(self.taste["misfit"]):
