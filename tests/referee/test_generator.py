@@ -1,12 +1,21 @@
 """The generator of random scenes, its coverage of the schema, and the shrinker."""
 
+import math
+import re
 import tomllib
 
 import pytest
 
 from mbdfmi import Scene
+from mbdfmi.model import compile_scene
+from mbdfmi.simulate import Instance, SimulationError
 
 from . import coverage, generator, shrink
+
+MOVED = re.compile("at the start is (given as|turned)")
+
+# how many scenes a long run has
+MANY = 2000
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +43,69 @@ def test_each_focus_gives_small_scenes(focus):
 
 def test_keys_are_those_of_the_schema(scenes):
     assert set().union(*map(coverage.keys_of, scenes)) <= coverage.all_keys()
+
+
+def test_a_short_run_uses_nearly_all_keys(scenes):
+    counts = coverage.count(scenes)
+    used = sum(n > 0 for n in counts.values())
+    assert used > 0.75 * len(counts)
+
+
+@pytest.mark.long
+def test_every_key_is_in_at_least_twenty_scenes_of_a_long_run():
+    counts = coverage.count(generator.draw(seed) for seed in range(MANY))
+    print(coverage.table(counts))
+    assert min(counts.values()) >= coverage.LEAST
+
+
+def test_keys_of_a_scene():
+    data = {
+        "name": "keys",
+        "body": {"b": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], "marker": {"m": {"output": ["zyx"]}}}},
+        "joint": {"j": {
+            "revolute": {"axis": [0, 1, 0]}, "between": ["ground", "b.m"], "damper": {"table": {"speed": [0, 1], "effort": [0, 1]}},
+            "driver": {"table": {"time": [0, 1], "position_deg": [0, 1], "interpolation": "quintic"}},
+        }},
+    }  # fmt: skip
+    Scene.model_validate(data)
+    assert coverage.keys_of(data) == {
+        "name", "body", "body.mass", "body.inertia", "body.inertia=6", "body.marker", "body.marker.output", "body.marker.output=zyx",
+        "joint", "joint.revolute", "joint.revolute.axis", "joint.revolute.axis=vector", "joint.revolute.between",
+        "joint.revolute.damper", "joint.revolute.damper.table", "joint.revolute.damper.table.speed",
+        "joint.revolute.damper.table.effort", "joint.revolute.driver", "joint.revolute.driver.table",
+        "joint.revolute.driver.table.time", "joint.revolute.driver.table.position_deg", "joint.revolute.driver.table.interpolation",
+        "joint.revolute.driver.table.interpolation=quintic",
+    }  # fmt: skip
+
+
+def test_rare_keys_are_marked():
+    text = coverage.table(coverage.count([{"name": "a", "body": {}}] * 20))
+    assert "name" in text and "title" in text.partition("in fewer than")[2] and "\n    name" not in text
+
+
+def test_small_scenes_start():
+    """All but a few whose joints start so far off that nothing closes; those say so."""
+    refused = []
+
+    for seed in range(60):
+        data = generator.draw(seed, size=1 + seed % 3)
+        try:
+            assert all(map(math.isfinite, Instance(compile_scene(Scene.model_validate(data))).outputs()))
+        except SimulationError as error:
+            refused.append(str(error))
+
+    assert len(refused) <= 2 and all("cannot be closed" in text for text in refused), refused
+
+
+def test_a_start_that_is_drawn_to_fit_is_kept():
+    """Loops, contacts, couplings and drivers of a start written in full fit it: positions and speeds are not moved."""
+    told = []
+
+    for seed in range(40):
+        data = generator.draw(seed, size=2, start="fit")
+        told += [(seed, text) for text in Instance(compile_scene(Scene.model_validate(data))).notices if MOVED.search(text)]
+
+    assert not told
 
 
 def test_a_scene_shrinks_to_what_fails():
