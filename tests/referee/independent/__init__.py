@@ -22,6 +22,7 @@ known as such, and what depends on them is not told.
     system         System: all of it together
     instant        its solution at one instant
     outputs        what can be told of a solution
+    starts         where start values alone put the bodies
     simulate       a run by scipy, kept on the constraints
 """
 

@@ -7,6 +7,30 @@ from scipy.optimize import least_squares
 from .curves import Curve, Surface
 from .joints import touching
 
+# parameters s of a joint of end frames
+COUNT = {"point_on_curve": 1, "curve_on_curve": 2, "point_on_surface": 2}
+
+
+def equations(kind, pair, acceleration, tau):
+    """(what is 0 over tau, the symbols of rates of s and of derivatives of the shapes). acceleration : second rates of s."""
+    rate = ca.SX.sym("s_rate", COUNT[kind])
+    step = rate * tau + acceleration * tau**2 / 2
+    symbols, points = [rate], []
+
+    if kind == "point_on_surface":
+        D = ca.SX.sym("surface", 3, 6)
+        u, v = step[0], step[1]
+        point = D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
+        return touching(kind, pair, [(point, None)]), ca.vertcat(rate, ca.vec(D))
+
+    for k in range(COUNT[kind]):
+        D, u = ca.SX.sym("curve", 3, 4), step[k]
+        symbols.append(ca.vec(D))
+        point = D[:, 0] + u * D[:, 1] + u**2 / 2 * D[:, 2] + u**3 / 6 * D[:, 3]
+        points.append((point, D[:, 1] + u * D[:, 2] + u**2 / 2 * D[:, 3]))
+
+    return touching(kind, pair, points), ca.vertcat(*symbols)
+
 
 class Contact:
     """Of a joint of end frames: its shapes, its parameters s (count of them)."""
@@ -17,28 +41,7 @@ class Contact:
         shape = Surface if self.on_surface else Curve
         which = tables if joint.kind == "curve_on_curve" else tables[:1]
         self.shapes = [shape(table["surface" if self.on_surface else "curve"]) for table in which]
-        self.count = 1 if joint.kind == "point_on_curve" else 2
-
-    def equations(self, pair, acceleration, tau):
-        """(what is 0 over tau, the symbols of rates of s and of derivatives of the shapes). acceleration : second rates of s."""
-        rate = ca.SX.sym("s_rate", self.count)
-        step = rate * tau + acceleration * tau**2 / 2
-        symbols, points = [rate], []
-
-        for k, _ in enumerate(self.shapes):
-            D = ca.SX.sym("shape", 3, 6 if self.on_surface else 4)
-            symbols.append(ca.vec(D))
-
-            if self.on_surface:
-                u, v = step[0], step[1]
-                point = D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
-                points.append((point, None))
-            else:
-                u = step[k]
-                point = D[:, 0] + u * D[:, 1] + u**2 / 2 * D[:, 2] + u**3 / 6 * D[:, 3]
-                points.append((point, D[:, 1] + u * D[:, 2] + u**2 / 2 * D[:, 3]))
-
-        return touching(self.joint.kind, pair, points), ca.vertcat(*symbols)
+        self.count = COUNT[joint.kind]
 
     def numbers(self, s, rate):
         """What these symbols are."""

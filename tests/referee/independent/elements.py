@@ -4,7 +4,7 @@ import numpy as np
 
 from .efforts import Elastic
 from .interpolation import Table
-from .reading import dotted, listed
+from .reading import cross, dotted, listed
 
 
 def matrix6(values):
@@ -95,8 +95,8 @@ class Six:
         # Kirchhoff: momenta p, L in axes that turn with w about a point that moves with v
         if self.axes == "body":
             p, L = np.split(A @ seen, 2)
-            turning = np.concatenate([np.cross(w, v), np.cross(w, w)])
-            return A, np.concatenate([np.cross(w, p), np.cross(w, L) + np.cross(v, p)]) - A @ turning
+            turning = np.concatenate([cross(w, v), cross(w, w)])
+            return A, np.concatenate([cross(w, p), cross(w, L) + cross(v, p)]) - A @ turning
 
         # the Lagrangian of the yaw: d/dt (A V) less the slope of V.A V / 2
         Z = np.kron(np.eye(2), np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 0]]))

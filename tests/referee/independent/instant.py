@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .equations import SIX
 from .joints import is_turned_over
-from .reading import dotted, listed, si
+from .reading import cross, dotted, listed, si
 
 # singular values of the scaled system below this part of the largest are none
 RANK = 1e-11
@@ -60,6 +61,7 @@ class Instant:
         self.system, self.t, self.inputs, self.hints = system, t, inputs, hints
         ground = system.ground.at(t, inputs, _whole(motions.get("ground")))
         self.motions = {**motions, "ground": ground}
+        self._frames = {}
         self.first = system.started is None
 
         if self.first:
@@ -88,30 +90,48 @@ class Instant:
 
     def frame(self, end):
         """(r, A, v, w) of an end."""
-        return self.system.frame(self.motions, end)
+        if end not in self._frames:
+            self._frames[end] = self.system.frame(self.motions, end)
+
+        return self._frames[end]
 
     def _see(self):
-        """Signals, with the parameters s where end frames touch and their rates."""
+        """Equations of all joints and elements, with the parameters s where end frames touch and their rates."""
         system = self.system
-        self.s, self.s_rate = {}, {}
+        self.s, self.s_rate, self.values = {}, {}, {}
+        at = 6 * len(system.owners)
 
-        for name, contact in system.contacts.items():
-            pair = [self.frame(end) for end in contact.joint.ends]
-            self.s[name] = contact.find(pair, self.hints(name, "s"))
-            self.s_rate[name] = np.zeros(contact.count)
+        for name, joint in system.joints.items():
+            numbers = np.append(joint.geometry, system.started["side"].get(name, 1.0))
+            place = slice(0, 0)
 
-        values = system.signals(system._numbers(self.motions, self.s, self.s_rate))
+            if name in system.contacts:
+                numbers = np.concatenate([numbers, self._touch(name, numbers)])
+                place = slice(at, at + system.contacts[name].count)
+                at = place.stop
 
-        if system.contacts:
-            for name in system.contacts:
-                _, rate, _, J = values["joint", name]
-                J_s = J[:, system.s_place[name]]
-                self.s_rate[name] = -np.linalg.lstsq(J_s, rate, rcond=1e-12)[0]
+            found, owners = system.signals(self.motions, joint.kind, joint.ends, numbers)
+            self._keep(name, system.spread(found, owners, place))
 
-            values = system.signals(system._numbers(self.motions, self.s, self.s_rate))
+        for e in system.sixes:
+            (_, A1, _, _), (_, A2, _, _) = (self.frame(end) for end in e.ends)
+            R = A1.T @ A2
+            E = Rotation.from_matrix(R).as_quat()
+            found, owners = system.signals(self.motions, SIX, e.ends, np.concatenate([R.ravel(), E if E[3] >= 0 else -E]))
+            self._keep(e.name, system.spread(found, owners))
 
-        self.values = values
-        self.velocity = np.concatenate([np.concatenate(self.motions[owner][2:4]) for owner in system.owners])
+    def _keep(self, name, found):
+        self.values |= {(what, name): values for what, values in found.items()}
+
+    def _touch(self, name, numbers):
+        """Finds s and its rate; numbers of the contact there."""
+        contact = self.system.contacts[name]
+        ends = contact.joint.ends
+        s = self.s[name] = contact.find([self.frame(end) for end in ends], self.hints(name, "s"))
+        still = np.concatenate([numbers, contact.numbers(s, np.zeros(contact.count))])
+        _, rate, _, J = self.system.signals(self.motions, contact.joint.kind, ends, still)[0]["joint"]
+        self.s_rate[name] = -np.linalg.lstsq(J[:, 12:], rate, rcond=1e-12)[0]
+        return contact.numbers(s, self.s_rate[name])
 
     def _place_coordinates(self):
         """Coordinates of joints on their whole turns: q[name] (n,), and their rates."""
@@ -172,7 +192,7 @@ class Instant:
     def _act(self):
         """Generalised forces of all that is applied, mass matrix and what products of velocities make, on all owners."""
         system = self.system
-        n = 6 * len(system.owners) + system.n_s
+        n = system.width
         self.M = np.zeros((n, n))
         self.bias = np.zeros(n)
         self.weight = np.zeros(n)
@@ -206,14 +226,14 @@ class Instant:
         at, c = self.system.place[name], A @ com
         J = A @ inertia @ A.T + mass * (c @ c * np.eye(3) - np.outer(c, c))
         self.M[at, at] += _body_matrix(mass, c, J)
-        self.bias[at] += np.concatenate([mass * np.cross(w, np.cross(w, c)), np.cross(w, J @ w)])
+        self.bias[at] += np.concatenate([mass * cross(w, cross(w, c)), cross(w, J @ w)])
         weight = mass * self.system.gravity
         place = r + c
 
         if self.system.mu:
             weight = weight - self.system.mu * mass * place / np.linalg.norm(place) ** 3
 
-        self.weight[at] += np.concatenate([weight, np.cross(c, weight)])
+        self.weight[at] += np.concatenate([weight, cross(c, weight)])
 
     def _add_joint(self, name, joint):
         """Efforts along the joint's coordinates, and torques of a spherical one."""
@@ -320,9 +340,8 @@ class Instant:
             value, rate, bias, C = self.values["joint", name]
             add(name, C, bias, value - self._rest(name, joint, len(value)), rate)
 
-            if ("slip", name) in self.values:
-                slip, _, bias, C = self.values["slip", name]
-                add(name, C, bias, 0 * slip, slip)
+            slip, _, bias, C = self.values["slip", name]
+            add(name, C, bias, 0 * slip, slip)
 
             q, q_rate = self.q[name], self.rate[name]
             _, _, q_bias, J = self.values["coordinates", name]
@@ -351,7 +370,7 @@ class Instant:
             offset = self.system.started["offset"][name] if coupling.offset is None else coupling.offset
             add(("coupling", name), J2 - ratio * J1, b2 - ratio * b1, q2 - ratio * q1 - offset, d2 - ratio * d1)
 
-        width = 6 * len(self.system.owners) + self.system.n_s
+        width = self.system.width
         self.C = np.vstack([C for C, *_ in self.rows]) if self.rows else np.zeros((0, width))
         self.row_bias, self.residuals, self.rates = (
             np.concatenate([row[k] for row in self.rows]) if self.rows else np.zeros(0) for k in (1, 2, 3)

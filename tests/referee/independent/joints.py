@@ -30,9 +30,17 @@ COORDINATES = {
 }
 
 
+# numbers of a joint: axes u, x, y (3 each), radius, the side on which it rolls
+GEOMETRY = 11
+
+
 def joint_axis(kind, options):
-    """The unit vector (3,) that a joint's equations are about."""
-    return axis(options.get("normal" if kind in ("planar", "point_on_plane") else "axis", "z"))
+    """The unit vector (3,) that a joint's equations are about: of a universal joint the first, of a knife edge the lateral one."""
+    if kind == "universal":
+        return universal_axes(options)[0]
+
+    key, default = {"planar": ("normal", "z"), "point_on_plane": ("normal", "z"), "knife_edge": ("lateral", "y")}.get(kind, ("axis", "z"))
+    return axis(options.get(key, default))
 
 
 def universal_axes(options):
@@ -40,67 +48,71 @@ def universal_axes(options):
     return np.array([axis(item) for item in options.get("axes", ("x", "y"))])
 
 
-def along(u, vector):
-    """Component of a vector along a constant one."""
-    return ca.dot(ca.DM(u), vector)
-
-
-def angle_about(u, start, vector):
-    """Angle (rad) of a vector about u, from where `start` is."""
-    return ca.atan2(along(np.cross(u, start), vector), along(start, vector))
-
-
-def aligned(u, R):
-    """Two equations: u is the same axis in both frames."""
-    turned = R @ ca.DM(u)
-    return [along(side, turned) for side in plane_axes(u)[:, :2].T]
-
-
-def coordinates(kind, options, pair):
-    """The coordinates of a joint over tau, angles but for full turns."""
-    if kind == "universal":
-        first, second = universal_axes(options)
-        forward, back = pair.R @ ca.DM(second), pair.R.T @ ca.DM(first)
-        return [angle_about(first, second, forward), -angle_about(second, first, back)]
-
-    if kind == "translation":
-        return [pair.d[k] for k in range(3)]
-
+def geometry(kind, options):
+    """(10,): the axis u, axes x and y across it (of a universal joint x is the second axis), radius; the side comes behind."""
     u = joint_axis(kind, options)
     x, y = plane_axes(u)[:, :2].T
-    angle = angle_about(u, x, pair.R @ ca.DM(x))
-    slide = along(u, pair.d)
+
+    if kind == "universal":
+        x = universal_axes(options)[1]
+        y = np.cross(u, x)
+
+    return np.concatenate([u, x, y, [options.get("radius", 0.0)]])
+
+
+def axes_of(geometry):
+    """u, x, y of the numbers of a joint."""
+    return geometry[:3], geometry[3:6], geometry[6:9]
+
+
+def coordinates(kind, geometry, pair):
+    """The coordinates of a joint over tau, angles but for full turns."""
+    u, x, y = axes_of(geometry)
+    d, R = pair.d, pair.R
+    slide = ca.dot(u, d)
+    forward = R @ x
+    angle = ca.atan2(ca.dot(y, forward), ca.dot(x, forward))
+    back = R.T @ u
     return {
         "revolute": [angle], "prismatic": [slide], "screw": [slide, angle], "cylindrical": [slide, angle],
-        "planar": [along(x, pair.d), along(y, pair.d), angle],
+        "planar": [ca.dot(x, d), ca.dot(y, d), angle], "translation": [d[k] for k in range(3)],
+        "universal": [angle, ca.atan2(ca.dot(y, back), ca.dot(u, back))],
     }.get(kind, [])  # fmt: skip
 
 
-def positions(kind, options, pair):
-    """What is 0 of positions where a joint holds; of a distance, and of the height of what rolls, what stays as it is told."""
+def constraints(kind, geometry, pair):
+    """(what is 0 of positions, of velocities) where a joint holds; of a distance the length."""
+    u, x, y = axes_of(geometry)
     d, R = pair.d, pair.R
-    u = joint_axis(kind, options)
-    across = [along(side, d) for side in plane_axes(u)[:, :2].T]
+    across = [ca.dot(x, d), ca.dot(y, d)]
     together = [d[k] for k in range(3)]
     locked = [vee(R)[k] for k in range(3)]
 
-    if kind == "universal":
-        first, second = universal_axes(options)
-        return [*together, along(first, R @ ca.DM(second)) - first @ second]
+    # u is the same axis in both frames
+    aligned = [ca.dot(x, R @ u), ca.dot(y, R @ u)]
 
-    return {
+    if kind.startswith("rolling"):
+        height, slip = rolling(kind, geometry, pair)
+        return [height], slip
+
+    if kind == "knife_edge":
+        return [], [ca.dot(R @ u, pair.v)]
+
+    holds = {
         "fixed": together + locked,
-        "revolute": together + aligned(u, R),
+        "revolute": together + aligned,
         "prismatic": across + locked,
-        "cylindrical": across + aligned(u, R),
-        "screw": across + aligned(u, R),
+        "cylindrical": across + aligned,
+        "screw": across + aligned,
+        "universal": [*together, ca.dot(u, R @ x) - ca.dot(u, x)],
         "spherical": together,
-        "planar": [along(u, d), *aligned(u, R)],
+        "planar": [ca.dot(u, d), *aligned],
         "translation": locked,
-        "point_on_plane": [along(u, d)],
+        "point_on_plane": [ca.dot(u, d)],
         "point_on_line": across,
-        "distance": [ca.norm_2(d)] if kind == "distance" else [],
+        "distance": [ca.norm_2(d)],
     }.get(kind, [])
+    return holds, []
 
 
 def is_turned_over(kind, options, R):
@@ -113,30 +125,21 @@ def is_turned_over(kind, options, R):
     return kind in ("revolute", "cylindrical", "screw", "planar") and u @ R @ u < 0.0
 
 
-def rolling(kind, options, pair, side):
-    """(height of the lowest point over the plane, its slip along x and y) of what rolls on z = 0 of the first frame.
-
-    side : 1 above the plane, -1 below.
-    """
+def rolling(kind, geometry, pair):
+    """(height of the lowest point over the plane z = 0 of the first frame, its slip along x and y) of what rolls there."""
     first, second = pair.first, pair.second
-    normal = first.A[:, 2]
-    out = normal
+    out = normal = first.A[:, 2]
 
     if kind == "rolling_disk":
-        u = second.A @ ca.DM(axis(options.get("axis", "z")))
+        u = second.A @ geometry[:3]
         out = normal - ca.dot(normal, u) * u
         out = out / ca.norm_2(out)
 
-    lever = -side * options["radius"] * out
+    radius, side = geometry[9], geometry[10]
+    lever = -side * radius * out
     point = second.r + lever
     slip = second.v + ca.cross(second.w, lever) - first.v - ca.cross(first.w, point - first.r)
     return ca.dot(normal, point - first.r), [ca.dot(first.A[:, 0], slip), ca.dot(first.A[:, 1], slip)]
-
-
-def knife_edge(options, pair):
-    """Velocity of the second frame's origin across the edge, as seen from the first."""
-    lateral = pair.R @ ca.DM(axis(options.get("lateral", "y")))
-    return ca.dot(lateral, pair.v)
 
 
 def touching(kind, pair, curves):

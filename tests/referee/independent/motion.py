@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .interpolation import Table
-from .reading import axis, dotted, orientation, plane_axes, si
+from .reading import axis, cross, dotted, orientation, plane_axes, si
 
 ZERO = np.zeros(3)
 
@@ -150,7 +150,7 @@ def rotation_of(E, rate, second):
 
 def times_conjugate(p, q):
     """Vector part of p q*, Euler parameters with the scalar last."""
-    return -p[3] * q[:3] + q[3] * p[:3] - np.cross(p[:3], q[:3])
+    return -p[3] * q[:3] + q[3] * p[:3] - cross(p[:3], q[:3])
 
 
 def rotation_of_zyx(angles, rates, seconds):
@@ -160,7 +160,7 @@ def rotation_of_zyx(angles, rates, seconds):
 
     for turn, unit, rate, second in zip(turns, np.eye(3)[::-1], rates, seconds):
         about = A @ unit
-        alpha = alpha + second * about + rate * np.cross(w, about)
+        alpha = alpha + second * about + rate * cross(w, about)
         w = w + rate * about
         A = A @ turn.as_matrix()
 
@@ -230,17 +230,17 @@ class Ground:
         A = Rotation.from_rotvec((si(spec, "angle", 0.0) + speed * t) * u).as_matrix()
         point = np.array(spec.get("point", ZERO), float)
         r, w = point - A @ point, speed * u
-        v = np.cross(w, r - point)
-        return r, A, v, w, np.cross(w, v), ZERO
+        v = cross(w, r - point)
+        return r, A, v, w, cross(w, v), ZERO
 
     def _orbit(self, spec, t):
         axes = plane_axes(axis(spec.get("normal", "z")))
         angle = si(spec, "phase", 0.0) + spec["rate"] * t
         A = axes @ Rotation.from_rotvec([0, 0, angle]).as_matrix()
         r, w = spec["radius"] * A[:, 0], spec["rate"] * axes[:, 2]
-        v = np.cross(w, r)
+        v = cross(w, r)
         pointing = spec.get("pointing", True)
-        return r, A if pointing else np.eye(3), v, w if pointing else ZERO, np.cross(w, v), ZERO
+        return r, A if pointing else np.eye(3), v, w if pointing else ZERO, cross(w, v), ZERO
 
     def _commanded(self, inputs, seen):
         """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told."""

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .reading import dotted
+from .reading import cross, dotted
 
 # by how much what is told may change along what the equations leave open, as a part of its size
 OPEN = 1e-6
@@ -13,8 +13,9 @@ UPRIGHT = 1e-5
 
 
 def tell(system, now):
-    """Outputs by name; those that the equations leave open, as reactions of redundant joints, are left out."""
-    told = _told(system, now, now.x)
+    """Outputs by name; those that the equations leave open, as reactions of redundant joints, and those without a value, as of
+    a bushing's twist at a swing by 180 degrees, are left out."""
+    told = {name: value for name, value in _told(system, now, now.x).items() if np.isfinite(value).all()}
 
     if now.undecided is not None:
         other = _told(system, now, now.undecided)
@@ -73,7 +74,7 @@ class Motions:
 
         if owner != "inertial":
             arm = self.now.motions[owner][1] @ position
-            a = a + np.cross(alpha, arm) + np.cross(w, np.cross(w, arm))
+            a = a + cross(alpha, arm) + cross(w, cross(w, arm))
 
         return r, A, v, w, a, alpha
 
@@ -81,9 +82,9 @@ class Motions:
         """The same of the second frame seen from the first, in the first one's axes."""
         (r1, A1, v1, w1, a1, alpha1), (r2, A2, v2, w2, a2, alpha2) = self.of(first), self.of(second)
         d = r2 - r1
-        v = v2 - v1 - np.cross(w1, d)
-        a = a2 - a1 - np.cross(alpha1, d) - np.cross(w1, np.cross(w1, d)) - 2 * np.cross(w1, v)
-        alpha = alpha2 - alpha1 - np.cross(w1, w2)
+        v = v2 - v1 - cross(w1, d)
+        a = a2 - a1 - cross(alpha1, d) - cross(w1, cross(w1, d)) - 2 * cross(w1, v)
+        alpha = alpha2 - alpha1 - cross(w1, w2)
         return A1.T @ d, A1.T @ A2, A1.T @ v, A1.T @ (w2 - w1), A1.T @ a, A1.T @ alpha
 
 
@@ -199,7 +200,7 @@ def _reaction(system, now, joint, along, multipliers):
 
     force, moment = np.split(wrench[system.place[owner]], 2)
     (_, A1, _, _), (r2, A2, _, _) = (now.frame(end) for end in joint.ends)
-    moment = moment - np.cross(r2 - now.motions[owner][0], force)
+    moment = moment - cross(r2 - now.motions[owner][0], force)
     return {
         "reaction_force": A1.T @ force, "reaction_moment": A1.T @ moment,
         "reaction_force_body": A2.T @ force, "reaction_moment_body": A2.T @ moment,
@@ -242,12 +243,12 @@ def _tell_scene(told, system, now, acceleration, multipliers):
 
     for name, (mass, com, inertia) in system.mass.items():
         r, A, v, w = now.motions[name][:4]
-        place, speed = r + A @ com, v + np.cross(w, A @ com)
+        place, speed = r + A @ com, v + cross(w, A @ com)
         spin = A @ inertia @ A.T @ w
         kinetic += (mass * speed @ speed + w @ spin) / 2
         gravity -= mass * system.gravity @ place + (system.mu * mass / np.linalg.norm(place) if system.mu else 0.0)
         linear = linear + mass * speed
-        angular = angular + np.cross(place, mass * speed) + spin
+        angular = angular + cross(place, mass * speed) + spin
         centre, total = centre + mass * place, total + mass
 
     for e in system.elements.values():
@@ -262,7 +263,7 @@ def _tell_scene(told, system, now, acceleration, multipliers):
                 kinetic += e.now[3] @ momentum / 2
                 axes, place = now.frame(e.ends[0])[1], now.frame(e.ends[1])[0]
                 p, L = axes @ momentum[:3], axes @ momentum[3:]
-                linear, angular = linear + p, angular + np.cross(place, p) + L
+                linear, angular = linear + p, angular + cross(place, p) + L
 
     for name, joint in system.joints.items():
         if joint.parts:

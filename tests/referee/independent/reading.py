@@ -9,6 +9,11 @@ from scipy.spatial.transform import Rotation
 UNITS = {"": 1.0, "_rad": 1.0, "_deg": np.pi / 180, "_rpm": np.pi / 30}
 
 
+def cross(a, b):
+    """a x b of two vectors (numpy's takes twenty times as long)."""
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
 def si(table, key, default=None):
     """The value of a key that may end in a unit, in SI units."""
     for ending, factor in UNITS.items():
@@ -36,7 +41,7 @@ def plane_axes(normal):
     x = np.eye(3)[0 if flat else 1]
     x = x - (x @ normal) * normal
     x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(normal, x), normal])
+    return np.column_stack([x, cross(normal, x), normal])
 
 
 def orientation(table):
@@ -68,7 +73,7 @@ def of_two_axes(first, second):
     across = axis(second[1]) - (axis(second[1]) @ A[:, i]) * A[:, i]
     A[:, j] = across / np.linalg.norm(across)
     k = 3 - i - j
-    A[:, k] = np.cross(A[:, i], A[:, j]) * (1 if (j - i) % 3 == 1 else -1)
+    A[:, k] = cross(A[:, i], A[:, j]) * (1 if (j - i) % 3 == 1 else -1)
     return A
 
 

@@ -1,18 +1,18 @@
 """The scene as a system of equations."""
 
-import casadi as ca
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from . import joints, outputs
 from .contacts import Contact
 from .efforts import JointParts
 from .elements import element
+from .equations import STILL, of_kind
 from .instant import Hints, Instant
 from .mass import mass_properties
 from .motion import Driver, Ground, Inputs
-from .reading import Parameters, kind_of, listed, pose, si
-from .taylor import INERTIAL, STATE, Pair, Signals, moving, swing_and_twist
+from .reading import Parameters, cross, kind_of, listed, pose, si
+from .simulate import run
+from .starts import motions_at_start
 
 COUPLINGS = ("gear", "rack", "screw", "linear")
 
@@ -26,6 +26,7 @@ class Joint:
         self.options = dict(table[self.kind])
         self.ends = table["between"]
         self.coordinates = joints.COORDINATES.get(self.kind, [])
+        self.geometry = joints.geometry(self.kind, self.options)
         self.parts = JointParts(given, name, table) if self.kind in joints.SINGLE else None
         self.inputs = listed(table.get("input"))
         self.start = table.get("start") or {}
@@ -90,9 +91,10 @@ class System:
             for name, joint in self.joints.items() if joint.kind in ("point_on_curve", "curve_on_curve", "point_on_surface")
         }  # fmt: skip
         self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing")]
+        self.n_s = sum(contact.count for contact in self.contacts.values())
+        self.width = 6 * len(self.owners) + self.n_s
         self.started = None
         given.check()
-        self._write_signals()
 
     # frames
 
@@ -122,7 +124,7 @@ class System:
 
         r, A, v, w = motions[owner][:4]
         arm = A @ position
-        return r + arm, A @ axes, v + np.cross(w, arm), w
+        return r + arm, A @ axes, v + cross(w, arm), w
 
     def wrench_on(self, motions, end, force, moment=0.0):
         """Generalised forces (6 n,) on all owners of a force and a moment at an end, inertial axes."""
@@ -131,88 +133,34 @@ class System:
 
         if owner != "inertial":
             arm = self.frame(motions, end)[0] - motions[owner][0]
-            f[self.place[owner]] = np.concatenate([force, moment + np.cross(arm, force)])
+            f[self.place[owner]] = np.concatenate([force, moment + cross(arm, force)])
 
         return f
 
     # equations
 
-    def _write_signals(self):
-        """All equations over tau, and the symbols that they take."""
-        tau = ca.SX.sym("tau")
-        n = len(self.owners)
-        states = ca.SX.sym("state", STATE * n)
-        self.n_s = sum(contact.count for contact in self.contacts.values())
-        accelerations = ca.SX.sym("acceleration", 6 * n + self.n_s)
-        frames = {
-            owner: moving(states[STATE * k : STATE * k + STATE], accelerations[6 * k : 6 * k + 6], tau)
-            for k, owner in enumerate(self.owners)
-        }
-        frames["inertial"] = INERTIAL
-        signals = Signals()
-        symbols = [states]
+    def signals(self, motions, kind, ends, numbers):
+        """The equations of a kind between two ends: name -> (value, rate, bias, J), J by all accelerations (see `Instant`)."""
+        owners = [self.end(end)[0] for end in ends]
+        states = [STILL if owner == "inertial" else np.concatenate([np.ravel(p) for p in motions[owner][:4]]) for owner in owners]
+        poses = [np.concatenate([position, axes.ravel()]) for _, position, axes in map(self.end, ends)]
+        return of_kind(kind)(np.concatenate([*states, *poses, numbers])), owners
 
-        def pair_of(ends):
-            return Pair(*(self._marker_frame(frames, end) for end in ends))
+    def spread(self, found, owners, s=slice(0, 0)):
+        """Signals of two owners, whose J is by their accelerations, then those of parameters at s: by all."""
+        told = {}
 
-        at = 6 * n
-        self.s_place = {}
+        for name, (value, rate, bias, J) in found.items():
+            wide = np.zeros((len(J), self.width))
+            wide[:, s] = J[:, 12:]
 
-        for name, joint in self.joints.items():
-            pair = pair_of(joint.ends)
-            signals.add(("coordinates", name), joints.coordinates(joint.kind, joint.options, pair))
-            holds = joints.positions(joint.kind, joint.options, pair)
+            for k, owner in enumerate(owners):
+                if owner != "inertial":
+                    wide[:, self.place[owner]] += J[:, 6 * k : 6 * k + 6]
 
-            if joint.kind.startswith("rolling"):
-                side = ca.SX.sym("side")
-                symbols.append(side)
-                height, slip = joints.rolling(joint.kind, joint.options, pair, side)
-                holds = [height]
-                signals.add(("slip", name), slip, "velocity")
+            told[name] = value, rate, bias, wide
 
-            if joint.kind == "knife_edge":
-                signals.add(("slip", name), joints.knife_edge(joint.options, pair), "velocity")
-
-            if name in self.contacts:
-                contact = self.contacts[name]
-                self.s_place[name] = slice(at, at + contact.count)
-                holds, numbers = contact.equations(pair, accelerations[self.s_place[name]], tau)
-                symbols.append(numbers)
-                at += contact.count
-
-            signals.add(("joint", name), holds)
-
-        for e in self.sixes:
-            pair = pair_of(e.ends)
-            R, E = ca.SX.sym("R", 9), ca.SX.sym("E", 4)
-            symbols += [R, E]
-            signals.add(("moved", e.name), ca.vertcat(pair.d, swing_and_twist(pair.R, ca.reshape(R, 3, 3).T, E)))
-            signals.add(("seen", e.name), ca.vertcat(pair.v, pair.w), "velocity")
-
-        signals.compile(tau, accelerations, ca.vertcat(*symbols))
-        self.signals = signals
-
-    def _marker_frame(self, frames, end):
-        owner, position, axes = self.end(end)
-        return frames[owner].marker(position, axes)
-
-    def _numbers(self, motions, s, s_rate):
-        """What the signals take: states, then of each joint and element in turn what it needs."""
-        numbers = [np.concatenate([np.ravel(part) for part in motions[owner][:4]]) for owner in self.owners]
-
-        for name, joint in self.joints.items():
-            if joint.kind.startswith("rolling"):
-                numbers.append([self.started["side"][name]])
-
-            if name in self.contacts:
-                numbers.append(self.contacts[name].numbers(s[name], s_rate[name]))
-
-        for e in self.sixes:
-            (_, A1, _, _), (_, A2, _, _) = (self.frame(motions, end) for end in e.ends)
-            E = Rotation.from_matrix(A1.T @ A2).as_quat()
-            numbers += [(A1.T @ A2).ravel(), E if E[3] >= 0 else -E]
-
-        return np.concatenate(numbers)
+        return told
 
     # one instant
 
@@ -254,13 +202,15 @@ class System:
         for end, name in seen.items():
             arm = A @ self.end(end)[1]
             rows.append(np.hstack([np.eye(3), np.cross(np.eye(3), arm).T]))
-            right.append(hints(name, "acceleration") - np.cross(w, np.cross(w, arm)))
+            right.append(hints(name, "acceleration") - cross(w, cross(w, arm)))
 
         a, alpha = np.split(np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0], 2)
         return r, A, v, w, a, alpha if len(rows) > 2 else None
 
+    def start_motions(self, t=0.0):
+        """Motions of all bodies by start values alone, before loops are closed; see starts.py."""
+        return motions_at_start(self, t)
+
     def simulate(self, times, motions, inputs=None, hints=None):
         """Motions at times, the first of which `motions` are at; see simulate.py."""
-        from .simulate import run
-
         return run(self, times, motions, inputs, hints)

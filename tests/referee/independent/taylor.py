@@ -22,14 +22,6 @@ class Frame:
     def __init__(self, r, A, v, w):
         self.r, self.A, self.v, self.w = r, A, v, w
 
-    def marker(self, position, axes):
-        """A frame fixed in this one."""
-        arm = self.A @ ca.DM(position)
-        return Frame(self.r + arm, self.A @ ca.DM(axes), self.v + ca.cross(self.w, arm), self.w)
-
-
-INERTIAL = Frame(ca.SX.zeros(3), ca.SX.eye(3), ca.SX.zeros(3), ca.SX.zeros(3))
-
 
 def moving(state, acceleration, tau):
     """The frame of an owner over tau. state (18,), acceleration (6,): symbols."""
@@ -77,7 +69,7 @@ def swing_and_twist(R, R_now, E_now):
     small = square < 1e-4
     safe = ca.if_else(small, 0.25, square)
     series = 2 * (1 + square / 6 + 3 * square**2 / 40 + 5 * square**3 / 112 + 35 * square**4 / 1152)
-    stretch = ca.if_else(small, series, 2 * ca.atan2(ca.sqrt(safe), ca.sqrt(1 - safe)) / ca.sqrt(safe))
+    stretch = ca.if_else(small, series, 2 * ca.atan2(ca.sqrt(safe), ca.if_else(small, 1, n)) / ca.sqrt(safe))
     return ca.vertcat(stretch * sx, stretch * sy, 2 * ca.atan2(E[2], E[3]))
 
 
@@ -95,7 +87,7 @@ class Signals:
 
     def add(self, name, expression, of="position"):
         """Some more rows, an SX column or a list."""
-        column = ca.vertcat(*expression) if isinstance(expression, (list, tuple)) else expression
+        column = ca.vertcat(ca.SX(0, 1), *expression) if isinstance(expression, (list, tuple)) else expression
         n = column.shape[0]
         self.places[name] = (of, slice(self.lengths[of], self.lengths[of] + n))
         self.parts[of].append(column)
@@ -119,25 +111,10 @@ class Signals:
         self.function = ca.Function("signals", [inputs], results)
 
     def __call__(self, numbers):
-        """The values of all signals for these inputs; see `Values`."""
-        found = [np.asarray(part) for part in self.function(numbers)]
-        p, p1, p2, Jp, v, v1, Jv = found
+        """Name -> (value, rate, highest rate at zero accelerations, J) for these inputs; of velocities value and rate are one."""
+        p, p1, p2, Jp, v, v1, Jv = (np.asarray(part) for part in self.function(numbers))
         blocks = {
             "position": (p.ravel(), p1.ravel(), p2.ravel(), Jp),
             "velocity": (v.ravel(), v.ravel(), v1.ravel(), Jv),
         }
-        return Values(self.places, blocks)
-
-
-class Values:
-    """Signals at one instant: [name] -> (value, rate, highest rate at zero accelerations, J)."""
-
-    def __init__(self, places, blocks):
-        self.places, self.blocks = places, blocks
-
-    def __contains__(self, name):
-        return name in self.places
-
-    def __getitem__(self, name):
-        of, rows = self.places[name]
-        return tuple(part[rows] for part in self.blocks[of])
+        return {name: tuple(part[rows] for part in blocks[of]) for name, (of, rows) in self.places.items()}
