@@ -5,7 +5,7 @@ from .constraints import (
     Distance, KnifeEdge, PointOnLine, PointOnPlane, RollingDisk, RollingSphere,
 )
 from .contacts import CurveOnCurve, PointOnCurve, PointOnSurface
-from .couplings import Coupling, Gear, Rack, Ratio, Spindle
+from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
@@ -20,9 +20,10 @@ from .writer import write_scene
 
 __all__ = [
     "Body", "Bushing", "Coupling", "CurveOnCurve", "Cylindrical", "Distance", "Fixed", "Force",
-    "Free", "Gear", "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "Load", "Marker",
-    "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane", "PointOnSurface",
-    "Prismatic", "Problem", "Rack", "Ratio", "Revolute", "RollingDisk", "RollingSphere", "Scene",
-    "SceneError", "Screw", "Solver", "Spherical", "Spindle", "SpringDamper", "Translation",
-    "Universal", "fmi_name", "parse_scene", "read_scene", "variable_name", "write_scene",
+    "Free", "Gear", "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "LinearCoupling",
+    "Load", "Marker", "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane",
+    "PointOnSurface", "Prismatic", "Problem", "Rack", "Revolute", "RollingDisk", "RollingSphere",
+    "Scene", "SceneError", "Screw", "ScrewCoupling", "Solver", "Spherical", "SpringDamper",
+    "Translation", "Universal", "fmi_name", "parse_scene", "read_scene", "variable_name",
+    "write_scene",
 ]

@@ -101,7 +101,7 @@ class SpindleOptions(Part):
         return self.pitch / (2 * np.pi)
 
 
-class Spindle(CouplingBase):
+class ScrewCoupling(CouplingBase):
     """From a revolute joint, the screw's, to a prismatic one, the nut's."""
 
     kind: ClassVar[str] = "screw"
@@ -117,7 +117,7 @@ class RatioOptions(Part):
     offset: Number | None = None
 
 
-class Ratio(CouplingBase):
+class LinearCoupling(CouplingBase):
     """Between any two joints of one freedom."""
 
     kind: ClassVar[str] = "linear"
@@ -125,5 +125,5 @@ class Ratio(CouplingBase):
     linear: RatioOptions
 
 
-COUPLINGS = (Gear, Rack, Spindle, Ratio)
+COUPLINGS = (Gear, Rack, ScrewCoupling, LinearCoupling)
 Coupling = by_key("a coupling", *COUPLINGS)
