@@ -158,6 +158,34 @@ def test_phase_of_a_harmonic(kind, quantity, phase):
     assert_near(run["j.acceleration"], -0.4 * w * w * np.sin(at), 1e-11)
 
 
+QUINTIC = np.polynomial.Polynomial([0.2, -0.4, 0.3, 0.5, -0.6, 0.2])
+TIMES = [0.0, 0.3, 0.7, 1.2, 1.4, 2.0]
+
+
+def driven(driver, kind="prismatic"):
+    """Position, speed and acceleration of a joint that is driven, over time."""
+    joint = {kind: {}, "between": ["ground", "a"], "driver": driver, "output": ["position", "speed", "acceleration"]}
+    scene = {"name": "d", "gravity": [0, 0, 0], "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}}, "joint": {"j": joint}}
+    run = Scene.model_validate(scene).simulate(1.9, 0.1)
+    return run["time"], run["j.position"], run["j.speed"], run["j.acceleration"]
+
+
+def test_six_points_make_a_polynomial_of_degree_five():
+    """The quintic spline through six points has nothing else to be."""
+    time, *found = driven({"table": {"time": TIMES, "position": QUINTIC(np.array(TIMES)).tolist(), "interpolation": "quintic"}})
+
+    for order, values in enumerate(found):
+        assert_near(values, QUINTIC.deriv(order)(time), 1e-12)
+
+
+def test_the_position_of_speeds_is_their_integral():
+    speeds = QUINTIC(np.array(TIMES)).tolist()
+    time, *found = driven({"speed_table": {"time": TIMES, "speed": speeds, "interpolation": "quintic"}})
+    assert_near(found[0], QUINTIC.integ()(time), 1e-12)
+    assert_near(found[1], QUINTIC(time), 1e-12)
+    assert_near(found[2], QUINTIC.deriv()(time), 1e-12)
+
+
 # mass
 
 

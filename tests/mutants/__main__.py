@@ -14,7 +14,8 @@ from rich.table import Table
 from . import reach
 from .draw import draw, name_of
 from .equivalent import argument
-from .hunt import BY_TIME, CAUGHT, Copy, Verdict, hunt
+from .hunt import BY_TIME, CAUGHT, Copy, Verdict, hunt, judge_undone
+from .undone import UNDONE
 
 EQUAL = "equivalent"
 
@@ -30,8 +31,14 @@ def main():
     parser.add_argument("--resume", type=Path, metavar="FILE", help="keep what came of each mutant there, and go on from it")
     parser.add_argument("--again", action="store_true", help="with --resume: try the survivors again")
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--undone", choices=("referee", "tests"), nargs="?", const="referee",
+                        help="undo mendings of the package instead, and run the referee (or the tests of each)")  # fmt: skip
     options = parser.parse_args()
     console = Console(soft_wrap=True)
+
+    if options.undone:
+        return undo(console, options)
+
     mutants = draw(options.seed, {part: getattr(options, part) for part in reach.PARTS})
     mutants = [mutant for mutant in mutants if options.only is None or options.only in name_of(mutant)]
 
@@ -40,7 +47,7 @@ def main():
             show(console, mutant)
         return 0
 
-    by_line, times = reach.tests_by_line(lambda name: console.print(f"[dim]lines that {name} reaches"))
+    by_line, times = lines(console)
     verdicts = known(options.resume, options.again)
     copies = SimpleQueue()
 
@@ -74,6 +81,30 @@ def main():
                 copy.__exit__()
 
     return report(console, mutants, verdicts, times)
+
+
+def lines(console):
+    """`reach.tests_by_line`, its progress shown."""
+    with console.status("") as status:
+        return reach.tests_by_line(lambda name: status.update(f"lines that {name} reaches"))
+
+
+def undo(console, options):
+    """Each mending undone by itself; 1 where nothing notices one."""
+    verdicts = known(options.resume, options.again)
+    by_line, times = lines(console) if options.undone == "tests" else ({}, {})
+
+    with Copy() as copy:
+        for undone in UNDONE:
+            if undone.name not in verdicts and (options.only is None or options.only in undone.name):
+                verdict = judge_undone(undone, copy, options.undone == "referee", by_line, times)
+                verdicts[undone.name] = verdict
+                keep(options.resume, verdicts)
+                console.print(f"{undone.rule}. {undone.name}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s", markup=True)
+
+    left = [name for name, verdict in verdicts.items() if verdict.outcome not in (CAUGHT, BY_TIME)]
+    console.print(f"{len(verdicts) - len(left)} of {len(verdicts)} mendings are noticed when they are undone")
+    return int(bool(left))
 
 
 def known(file, again):

@@ -27,6 +27,9 @@ FORK = multiprocessing.get_context("fork")
 BATCHES = (3.0, 40.0)
 """s of tests (timed with every line watched) in each run of pytest: a short one, and one for what passes that."""
 
+LONGEST = 600.0
+"""s that the referee, or whole files of tests, may take."""
+
 CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
 
 
@@ -63,15 +66,20 @@ class Copy:
 
     def first_failure(self, tests: list[str], times: dict[str, float]) -> Verdict | None:
         """The first of `tests` that fails, run in this order; a test gets several times what it took once."""
-        results = self.root / "results.json"
-        results.unlink(missing_ok=True)
         chosen = self.root / "chosen.json"
         chosen.write_text(json.dumps({test: 5.0 + 5.0 * times[test] for test in tests}))
-        variables = environment(self.root, MUTANTS_CHOSEN=str(chosen), MUTANTS_RESULTS=str(results))
-        run = FORK.Process(target=_pytest, args=(self.root, variables, sorted({test.partition("::")[0] for test in tests})))
+        files = sorted({test.partition("::")[0] for test in tests})
+        return self.failure_of(files, 60.0 + 6.0 * sum(times[test] for test in tests), MUTANTS_CHOSEN=str(chosen))
+
+    def failure_of(self, files: list[str], limit: float, **variables) -> Verdict | None:
+        """What fails first of whole files of tests, or of those that the plugin chooses, within so many s."""
+        results = self.root / "results.json"
+        results.unlink(missing_ok=True)
+        variables = environment(self.root, MUTANTS_RESULTS=str(results), **variables)
+        run = FORK.Process(target=_pytest, args=(self.root, variables, files))
         begin = time.perf_counter()
         run.start()
-        run.join(60.0 + 6.0 * sum(times[test] for test in tests))
+        run.join(limit)
         seconds = time.perf_counter() - begin
 
         if run.is_alive():
@@ -91,6 +99,17 @@ class Copy:
         return Verdict(CAUGHT, "importing package and tests", seconds)
 
 
+class _Failures:
+    """A plugin of pytest that writes what failed to a file, as `reach.Watch` does."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def pytest_runtest_logreport(self, report):
+        if report.failed:
+            Path(self.file).write_text(json.dumps({report.nodeid: {"failed": True}}))
+
+
 def _pytest(root, variables, files):
     """In a process of its own: pytest at the root of a copy, silent."""
     os.chdir(root)
@@ -100,16 +119,39 @@ def _pytest(root, variables, files):
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
-    plugins = ["-p", "no:cacheprovider", "-p", reach.__name__]
-    os._exit(pytest.main(["-q", "-x", "--tb=no", *plugins, *files]))
+    chosen, results = variables.get("MUTANTS_CHOSEN"), variables["MUTANTS_RESULTS"]
+    watch = reach.Watch(results, json.loads(Path(chosen).read_text())) if chosen else _Failures(results)
+    os._exit(pytest.main(["-q", "-x", "--tb=no", "-p", "no:cacheprovider", *files], [watch]))
 
 
 def reaching(mutant: Mutant, by_line: dict, times: dict[str, float]) -> list[str]:
     """Tests that reach a mutant, the quickest first."""
     first, last = mutant.reached_by
     lines = range(first, last + 1) if last else (line for file, line in by_line if file == mutant.file)
-    found = {test for line in lines for test in by_line.get((mutant.file, line), ())}
+    found = {test for line in lines for test in by_line.get((mutant.file, line), ()) if test in times}
     return sorted(found, key=times.get)
+
+
+def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[str, float]) -> Verdict:
+    """What comes of an undone mending: by the referee, or by the tests that it names, the quick ones first."""
+    mutant = undone.mutant()
+    files = undone.tests.split()
+    some = [test for test in reaching(mutant, by_line, times) if test.partition("::")[0] in files]
+
+    if referee:
+        files = ["tests/referee"]
+    elif some and (verdict := hunt(mutant, copy, by_line, {test: times[test] for test in some})).by:
+        return verdict
+
+    begin = time.perf_counter()
+    copy.write(mutant.file, mutant.mutated())
+
+    try:
+        found = copy.failure_of(files, LONGEST)
+    finally:
+        copy.write(mutant.file, mutant.source)
+
+    return found or Verdict(SURVIVED, "", time.perf_counter() - begin)
 
 
 def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float]) -> Verdict:

@@ -5,6 +5,7 @@ writes down the lines that each test runs.
 """
 
 import hashlib
+import inspect
 import json
 import os
 import signal
@@ -142,6 +143,9 @@ class Watch:
         by_name, alike = {item.nodeid: item for item in items}, {}
 
         for item in items:
+            if any(word in inspect.getsource(item.function).lower() for word in ("fmu", "export(")):
+                continue
+
             alike.setdefault(item.nodeid.partition("[")[0], []).append(item)
 
         if self.chosen:
@@ -220,7 +224,6 @@ class Watch:
 
 
 def pytest_configure(config):
-    """Register the watch that the environment asks for."""
+    """Watch all lines, where the environment says so."""
     if results := os.environ.get("MUTANTS_RESULTS"):
-        chosen = os.environ.get("MUTANTS_CHOSEN")
-        config.pluginmanager.register(Watch(results, json.loads(Path(chosen).read_text()) if chosen else None))
+        config.pluginmanager.register(Watch(results))

@@ -8,6 +8,9 @@ silent NaN, 8 the same twice, 9 nothing refused without need, 10 what acts can b
 
 from dataclasses import dataclass
 
+from .operators import Mutant
+from .reach import PACKAGE
+
 
 @dataclass(frozen=True)
 class Undone:
@@ -19,6 +22,15 @@ class Undone:
     before: str
     after: str
     tests: str
+
+    def mutant(self) -> Mutant:
+        """The package with the mending undone."""
+        source = (PACKAGE / self.file).read_text(encoding="utf-8")
+        start = source.index(self.before)
+        first = source.count("\n", 0, start) + 1
+        last = first + self.before.rstrip("\n").count("\n")
+        end = start + len(self.before)
+        return Mutant(self.file, self.name, "undone", first, start, end, self.after, (first, last), source)
 
 
 UNDONE = [
