@@ -30,6 +30,20 @@ BATCHES = (3.0, 40.0)
 LONGEST = 600.0
 """s that the referee, or whole files of tests, may take."""
 
+THOROUGH = {
+    "assembly holding notes starts start": "starts loops",
+    "commands drives": "commands drivers turns",
+    "massless virtual dynamics": "massless light_parts",
+    "constraints linear embedding rows project": "loops massless",
+    "contacts curves surfaces": "contacts",
+    "explicit implicit gauss control integrate": "steppers integrate between_steps",
+    "interpolation tables elastic": "tables drivers",
+    "checks bodies orientation fields motion efforts forces solids tables": "scene told starts tables",
+    "notices light_parts": "told notices light_parts",
+    "builder joints absolute": "structure starts inverse_joints",
+}
+"""Tests (tests/test_...) that are run whole where the quick ones notice nothing, by names of the files of mutants."""
+
 CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
 
 
@@ -140,7 +154,7 @@ def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[s
 
     if referee:
         files = ["tests/referee"]
-    elif some and (verdict := hunt(mutant, copy, by_line, {test: times[test] for test in some})).by:
+    elif some and (verdict := hunt(mutant, copy, by_line, {test: times[test] for test in some}, False)).by:
         return verdict
 
     begin = time.perf_counter()
@@ -154,13 +168,10 @@ def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[s
     return found or Verdict(SURVIVED, "", time.perf_counter() - begin)
 
 
-def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float]) -> Verdict:
-    """What comes of one mutant."""
+def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float], thorough=True) -> Verdict:
+    """What comes of one mutant; `thorough`: by whole files of tests of its subject, too."""
     tests = reaching(mutant, by_line, times)
-
-    if not tests:
-        return Verdict(UNREACHED)
-
+    reached = bool(tests)
     begin = time.perf_counter()
     copy.write(mutant.file, mutant.mutated())
 
@@ -173,7 +184,12 @@ def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float]) -> 
 
             if batch and (found := copy.first_failure(batch, times)):
                 return found
+
+        named = {name for files, names in THOROUGH.items() if Path(mutant.file).stem in files.split() for name in names.split()}
+
+        if thorough and named and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], LONGEST)):
+            return found
     finally:
         copy.write(mutant.file, mutant.source)
 
-    return Verdict(SURVIVED, "", time.perf_counter() - begin)
+    return Verdict(SURVIVED if reached else UNREACHED, "", time.perf_counter() - begin)

@@ -143,7 +143,7 @@ class Watch:
         by_name, alike = {item.nodeid: item for item in items}, {}
 
         for item in items:
-            if any(word in inspect.getsource(item.function).lower() for word in ("fmu", "export(")):
+            if any(word in inspect.getsource(item.function).lower() for word in ("fmu", "export(", "capsys")):
                 continue
 
             alike.setdefault(item.nodeid.partition("[")[0], []).append(item)
@@ -190,8 +190,12 @@ class Watch:
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
 
-    def stop(self, *_):
-        raise TooSlow
+    def stop(self, _, frame):
+        # not while a lock is held that somebody waits for later
+        if any(part in frame.f_code.co_filename for part in ("coverage", "threading", "logging")):
+            signal.setitimer(signal.ITIMER_PROF, 0.01)
+        else:
+            raise TooSlow
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item, call):
