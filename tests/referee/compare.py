@@ -23,11 +23,13 @@ ROUNDING = 1e-11
 # what rounding is as an error of a step, relative
 ULPS = 1e-13
 
-# an output is not worth comparing where more than this part of its largest value is allowed
+# an output is not worth comparing where more than this part of the largest value of its unit is allowed
 LOOSE = 0.1
 
-# of steppers with a fixed step: error, in differences to half the step
-HALVING = 20.0
+# order of steppers with a fixed step: half of it and a quarter differ by about the error over two to that power; so many times that may
+# the error be
+ORDERS = {"rk4": 4, "ros2": 2, "gauss": 8}
+HALVING = 8.0
 
 # told of the work done, by formulations in their own way, or bounded by a law of its own
 APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
@@ -37,7 +39,7 @@ class Reference:
     """The reference and its kicked runs.
 
     units : of outputs by name. ignored : groups of outputs that are not determined.
-    scale : of a group, the largest value; size : the largest of all outputs of its unit, which rounding goes by.
+    size : of a group, the largest value of all outputs of its unit, which rounding goes by.
     """
 
     def __init__(self, run, kicked, units, ignored=()):
@@ -45,12 +47,11 @@ class Reference:
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
         self.groups = {g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in ignored}
-        self.scale = {g: np.abs(self.values[:, c]).max() for g, c in self.groups.items()}
         of_unit = {}
 
-        for g, columns in self.groups.items():
+        for columns in self.groups.values():
             unit = units[run.names[columns[0]]]
-            of_unit[unit] = max(of_unit.get(unit, 0.1), self.scale[g])
+            of_unit[unit] = max(of_unit.get(unit, 0.1), np.abs(self.values[:, columns]).max())
 
         self.size = {g: of_unit[units[run.names[c[0]]]] for g, c in self.groups.items()}
         n = min([len(self.values), *(len(k.values) for k in kicked)])
@@ -106,7 +107,7 @@ def difference(group, a, b):
 def near(reference, run, count, halved=None, twin=None):
     """Findings where a run is off the reference by more than its tolerance allows.
 
-    halved : the same way with half the step, of a fixed step. twin : a run of the same way, which it may be off by no more than
+    halved : of a fixed step, the same way with half and with a quarter of it. twin : a run of the same way, which it may be off by no more than
     rounding, grown as errors grow.
     """
     if not run.values:
@@ -133,9 +134,9 @@ def near(reference, run, count, halved=None, twin=None):
         allowed = safety * tolerance * reference.growth[g][ours] + ROUNDING * reference.size[g]
 
         if halved is not None:
-            allowed = allowed + HALVING * _halving(g, mine, halved, at, names)[theirs]
+            allowed = allowed + HALVING * 2.0 ** ORDERS[run.way.integrator] * _halving(g, halved, at, names, len(mine))[theirs]
 
-        loose = ~(allowed <= LOOSE * reference.scale[g] + ROUNDING * reference.size[g])
+        loose = ~(allowed <= LOOSE * reference.size[g])
         count.loose += int(loose.sum())
         count.made += len(off)
         ratio = np.where(loose, 0.0, off / allowed)
@@ -154,12 +155,11 @@ def near(reference, run, count, halved=None, twin=None):
     return [worst] if worst else []
 
 
-def _halving(group, mine, halved, at, names):
-    """How far, up to each row, a run of a fixed step is from that with half of it; infinite where that has ended."""
-    n = min(len(mine), len(halved.values))
-    off = np.full(len(mine), np.inf)
-    finer = np.array(halved.values)[:n][:, [at[name] for name in names]] if n else mine[:0]
-    off[:n] = np.maximum.accumulate(difference(group, mine[:n], finer)) if n else 0.0
+def _halving(group, halved, at, names, n):
+    """How far, up to each of n rows, runs with half the step and a quarter of it are apart; infinite where one has ended."""
+    one, two = (np.array(other.values).reshape(len(other.values), -1)[:n, [at[name] for name in names]] for other in halved)
+    off, both = np.full(n, np.inf), min(len(one), len(two))
+    off[:both] = np.maximum.accumulate(difference(group, one[:both], two[:both])) if both else 0.0
     return off
 
 

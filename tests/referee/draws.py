@@ -17,7 +17,7 @@ SECONDS_INTERPRETED = 4.0
 @dataclass(frozen=True)
 class Ways:
     """near : compared with the reference within their tolerance. bits : (way, which of `near` it equals to the bit).
-    rounding : (way, which of `near` it equals but for rounding). halved : which of `near`, of a fixed step -> with half of it.
+    rounding : (way, which of `near` it equals but for rounding). halved : which of `near`, of a fixed step -> with half and a quarter of it.
     """
 
     reference: Way
@@ -26,7 +26,7 @@ class Ways:
     near: list[Way]
     bits: list[tuple[Way, int]]
     rounding: list[tuple[Way, int]]
-    halved: dict[int, Way]
+    halved: dict[int, list[Way]]
 
 
 def draw(seed, plan, n=3, fmu=True, interpreted=True):
@@ -58,7 +58,7 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True):
     longest = plan.until / (3 * len(plan.points))
     reference = Way("recursive", "rk853", TIGHT, max_step=longest, pattern=("union", patterns), exact=True)
     integrals = None if plan.bound else Way("recursive", "rk853", TIGHT, max_step=longest, pattern=("equal", 16), exact=True)
-    halved = {k: replace(way, step=0.5 * way.step) for k, way in enumerate(near) if way.step}
+    halved = {k: [replace(way, step=part * way.step) for part in (0.5, 0.25)] for k, way in enumerate(near) if way.step}
     return Ways(reference, [replace(reference, kick=k) for k in KICKS], integrals, near, bits, rounding, halved)
 
 

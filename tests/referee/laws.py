@@ -1,7 +1,7 @@
 """Laws that any run must keep, whatever way it was made: energy, momentum, constraints, orientations, finite values.
 
-Integrals over time are by Simpson's rule over the communication points of a run made for it (PANELS equal steps in each interval of
-the plan); what half the points give tells how good they are.
+Integrals over time are by Simpson's rule over the communication points of runs made for it (PANELS equal steps in each interval of
+the plan); what half the points give tells how good they are, and what does not balance must not do so with more points either.
 """
 
 import numpy as np
@@ -13,6 +13,8 @@ from .findings import Finding
 from .ways import ARRIVING, TIGHT
 
 PANELS = 16
+FINER = 8  # times as many
+STAYS = 0.6  # part of what does not balance that more points leave where a law is broken
 
 # m or rad, and their rates: what projection may leave of a gap, relative to the largest position and speed
 GAP = 1e-7
@@ -85,15 +87,15 @@ def gaps(run, values, data):
 
 
 class Integrals:
-    """Simpson's integrals of a run over the intervals of the plan: `at` gives rows where an interval begins and ends."""
+    """Simpson's integrals of a run over the intervals of the plan, each in so many steps."""
 
-    def __init__(self, run):
+    def __init__(self, run, panels=PANELS):
         self.run = run
         self.values = np.array(run.values)
         self.columns = groups(run.names)
         phases = np.array(run.phases)
         self.ends = np.flatnonzero(phases == ARRIVING)[1:]
-        self.begins = self.ends - PANELS
+        self.begins = self.ends - panels
 
     def of(self, rows):
         """(integrals (n, …), how good they are (n, …)) of values at all rows."""
@@ -189,6 +191,14 @@ def _balance(verdict, name, integrals, wanted, error, size, reference, count):
             break
 
     return found
+
+
+def persists(finding, finer):
+    """Whether what does not balance is still there with more points."""
+    if finding.variable != finer.variable or abs(finding.time - finer.time) > 1e-9 * max(1.0, finding.time):
+        return False
+
+    return abs(finer.found - finer.wanted) > STAYS * abs(finding.found - finding.wanted)
 
 
 def bears_all(data):

@@ -1,21 +1,41 @@
 """Random scenes before the referee, and each verdict shown to be able to fail."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from . import compare, laws, starts
+from mbdfmi.kernels.language import INTERPRETED
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene
+from mbdfmi.simulate import Instance
+
+from . import compare, dependence, draws, laws, route, starts
 from . import plan as plans
+from .__main__ import main
 from .findings import Count
-from .generator import draw
+from .generator import FOCUS, draw
 from .interpreter import Interpreter
 from .verdicts import judge
-from .ways import ARRIVING, LEAVING, Libraries, Way, run
+from .ways import LEAVING, Libraries, Way, run, scene_of
 
-PENDULUM = {
-    "name": "p",
-    "body": {"b": {"mass": 2.0, "com": [0, 0, -0.5], "inertia": [0.1, 0.1, 0.01]}},
-    "joint": {"h": {"revolute": {"axis": "y"}, "between": ["ground", "b"], "start": {"angle": 0.4}, "damper": 0.2, "input": "torque"}},
-}
+# a pendulum on a sledge, hung by a ball joint; all that acts is in it
+DATA = {
+    "name": "sledge", "gravity": [0.0, 0.3, -9.81],
+    "body": {
+        "sledge": {"mass": 3.0, "com": [0.0, 0.0, 0.1], "inertia": [0.1, 0.2, 0.3]},
+        "bob": {"mass": 2.0, "com": [0.1, 0.0, -0.5], "inertia": [0.1, 0.1, 0.02]},
+    },
+    "joint": {
+        "slide": {
+            "prismatic": {"axis": "x"}, "between": ["ground", "sledge"], "start": {"position": 0.2, "speed": 0.5},
+            "spring": {"stiffness": 30.0}, "damper": 2.0, "input": "force",
+        },
+        "ball": {"spherical": {}, "between": ["sledge", "bob"], "start": {"zyx_deg": [10.0, 20.0, 30.0], "omega": [0.5, -1.0, 2.0]}},
+    },
+}  # fmt: skip
+SEED = 3
 
 
 @pytest.fixture(scope="module")
@@ -24,8 +44,282 @@ def interpreter():
         yield it
 
 
+@pytest.fixture(scope="module")
+def plan():
+    return plans.draw(SEED, compile_scene(scene_of(DATA, Way())), until=0.6)
+
+
+@pytest.fixture(scope="module")
+def ways(plan):
+    return draws.draw(SEED, plan)
+
+
+@pytest.fixture(scope="module")
+def reference(plan, ways):
+    model = compile_scene(scene_of(DATA, Way()))
+    units = {v.name: v.unit for v in model.of_causality("output")}
+    return compare.Reference(run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units)
+
+
+@pytest.fixture
+def good(plan):
+    """A run in which nothing is wrong, to break."""
+    return run(DATA, plan, Way(tolerance=1e-7))
+
+
+@pytest.fixture(scope="module")
+def fine(plan, ways):
+    return run(DATA, plan, ways.integrals)
+
+
+def broken(result, name, row, change):
+    """The run with another value of an output in a row."""
+    values = [row.copy() for row in result.values]
+    column = result.names.index(name)
+    values[row][column] = change(values[row][column])
+    return replace(result, values=values)
+
+
+# random scenes
+
+
 @pytest.mark.parametrize("seed", range(3))
-def test_a_scene_stands(seed, interpreter):
-    data = draw(seed, size=1 + seed % 4)
-    verdict = judge(data, seed, interpreter if seed % 4 == 0 else None, fmu=seed % 2 == 0, n=2)
+def test_random_scenes_stand(seed, interpreter):
+    verdict = judge(draw(seed, size=1 + seed % 4), seed, interpreter if seed % 4 == 0 else None, fmu=seed % 2 == 0, n=2)
     assert verdict.findings == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("focus", [None, *sorted(FOCUS)])
+def test_two_thousand_scenes(focus, tmp_path_factory):
+    """Goes on where it was stopped: lines of verdicts stand in referee/ in the working folder."""
+    n = 500 if focus is None else -(-1500 // len(FOCUS))
+    more = [] if focus is None else ["--focus", focus]
+    assert main(["--seed", "1", "--scenes", str(n), "--out", "referee", "--resume", "referee.jsonl", *more]) == 0
+
+
+# ways against each other
+
+
+def test_what_is_right_is_not_found(good, reference, plan, interpreter):
+    count = Count()
+    assert compare.near(reference, good, count) == []
+    assert count.made > 100 and count.loose == 0
+    assert compare.same(run(DATA, plan, good.way), good, "again") == []
+    assert compare.near(reference, interpreter.run(DATA, plan, good.way), count, twin=good) == []
+
+
+@pytest.mark.parametrize("name", ["bob.position[1]", "slide.speed", "bob.alpha[2]", "ball.reaction_force[3]", "total_energy"])
+@pytest.mark.parametrize("row", [5, -1])
+def test_one_value_that_is_off(good, reference, name, row):
+    off = broken(good, name, row, lambda x: x + 0.1)
+    (finding,) = compare.near(reference, off, Count())
+    assert finding.variable == name and finding.time == good.times[row]
+    assert re.search(rf"{re.escape(name)} at .* s is .* must be", str(finding))
+    assert compare.near(reference, broken(good, name, row, lambda x: np.nan), Count())
+
+
+@pytest.mark.parametrize("memory", ["restore", "serialise", "reset", "second"])
+def test_one_bit_that_is_off(good, plan, memory):
+    other = run(DATA, plan, replace(good.way, memory=memory))
+    assert compare.same(other, good, "") == []
+    (finding,) = compare.same(broken(other, "slide.speed", 7, lambda x: np.nextafter(x, 9.0)), good, "")
+    assert finding.variable == "slide.speed"
+    assert compare.same(replace(other, values=other.values[:-1]), good, "")
+
+
+@pytest.mark.skipif(INTERPRETED, reason="an FMU is compiled")
+@pytest.mark.parametrize("memory", [None, "restore", "serialise", "reset", "second"])
+def test_the_fmu_is_the_same_to_the_bit(good, plan, memory):
+    with Libraries() as libraries:
+        other = run(DATA, plan, replace(good.way, host="fmu", memory=memory), libraries)
+
+    assert compare.same(other, good, "") == []
+    assert starts.alike(good, other) == []
+    assert len(starts.alike(replace(good, notices=["a notice (time 0.1 s)"]), other)) == 1
+
+
+def test_a_fixed_step_is_held_to_its_own_error(reference, plan):
+    way = Way(integrator="rk4", step=2e-3)
+    coarse, *half = (run(DATA, plan, replace(way, step=step)) for step in (2e-3, 1e-3, 5e-4))
+    assert compare.near(reference, coarse, Count(), half) == []
+    assert compare.near(reference, broken(coarse, "bob.position[3]", -1, lambda x: x + 1e-5), Count(), half)
+
+
+# laws
+
+
+@pytest.mark.parametrize(
+    "verdict, name, change",
+    [
+        ("not finite", "slide.speed", lambda x: np.nan),
+        ("orientation", "ball.euler_parameters[2]", lambda x: x + 1e-6),
+        ("constraint", "constraint_gap", lambda x: 1e-5),
+        ("constraint", "constraint_rate", lambda x: 1e-3),
+    ],
+)
+def test_laws_of_any_run(good, verdict, name, change):
+    assert laws.always(good, DATA) == []
+    assert [finding.verdict for finding in laws.always(broken(good, name, 4, change), DATA)] == [verdict]
+
+
+@pytest.mark.parametrize("text", ["", "failure 77 at ?"])
+def test_a_run_that_does_not_tell_why_it_stopped(good, text):
+    assert laws.always(replace(good, stopped="the inner step became too small"), DATA) == []
+    assert laws.always(replace(good, stopped=text), DATA)[0].verdict == "not told"
+    assert laws.always(replace(good, crashed="KeyError"), DATA)[0].verdict == "crash"
+
+
+def test_energy_and_momentum(fine, reference, plan):
+    scene = Scene.model_validate(DATA)
+    masses = laws.mass_and_gravity(scene, plan)
+
+    def balances(result):
+        integrals = laws.Integrals(result)
+        found = laws.energy(integrals, reference, Count()) + laws.momentum(integrals, reference, Count(), *masses)
+        return [finding.variable for finding in found]
+
+    assert balances(fine) == []
+    assert balances(broken(fine, "total_energy", -1, lambda x: x + 1e-5)) == ["total_energy"]
+    assert balances(broken(fine, "linear_momentum[2]", -1, lambda x: x + 1e-5)) == ["linear_momentum"]
+    assert balances(broken(fine, "angular_momentum[1]", -1, lambda x: x + 1e-5)) == ["angular_momentum"]
+
+    swapped = replace(fine, values=[row.copy() for row in fine.values])
+    column = fine.names.index("dissipated_power")
+
+    for row in swapped.values:
+        row[column] *= -1.0
+
+    assert balances(swapped) == ["total_energy"]
+
+
+# starts, notices, files
+
+
+@pytest.mark.parametrize("name", ["slide.position", "slide.speed", "ball.euler_parameters[1]", "ball.omega[3]"])
+def test_a_start_that_was_moved_untold(good, name):
+    assert starts.kept(DATA, good) == []
+    moved = broken(good, name, 0, lambda x: x + 1e-5)
+    (finding,) = starts.kept(DATA, moved)
+    assert finding.variable == name.partition("[")[0]
+    joint = name.partition(".")[0]
+    assert starts.kept(DATA, replace(moved, notices=[f"the speed of {joint} at the start is given as …"])) == []
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {"zyx_deg": [10.0, 20.0, 30.0]}, {"zyx_rad": [0.1, 0.2, 0.3]}, {"euler_parameters": [0.1, -0.1, 0.7, -0.7]},
+        {"axis_angle": {"axis": [1, 2, 3], "angle_deg": 70.0}}, {"axis_angle": {"axis": "-y", "angle_rad": 1.0}},
+        {"axes": {"x": [1, 1, 0], "z": "z"}}, {"axes": {"z": [1, 2, 3], "y": "-x"}},
+    ],
+)  # fmt: skip
+def test_orientations_as_they_are_written(table):
+    """As the schema reads them."""
+    marker = Scene.model_validate(DATA | {"ground": {"marker": {"m": table}}}).ground.marker["m"]
+    E = starts.orientation(table)
+    x, y, z, w = E
+    turned = 2 * np.outer(E[:3], E[:3]) + (w * w - E[:3] @ E[:3]) * np.eye(3)
+    turned += 2 * w * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    np.testing.assert_allclose(turned, marker.pose()[1], atol=1e-14)
+
+
+def test_check_tells_what_a_run_tells(good, tmp_path):
+    path = tmp_path / "sledge.toml"
+    path.write_text(Scene.model_validate(DATA).to_toml(), encoding="utf-8")
+    assert starts.checked(path, good) == []
+    assert len(starts.checked(path, replace(good, notices=["the mass is odd"]))) == 1
+    path.write_text("name = 1", encoding="utf-8")
+    assert starts.checked(path, good)[0].verdict == "check"
+
+
+def test_a_scene_that_is_not_written_as_it_is(monkeypatch):
+    assert starts.written(DATA) == []
+    whole = Scene.to_toml
+    monkeypatch.setattr(Scene, "to_toml", lambda scene: whole(scene).replace("damper", "# damper"))
+    assert len(starts.written(DATA)) == 1
+
+
+# what a model says of itself
+
+
+def test_a_dependence_that_is_not_declared():
+    model = compile_scene(scene_of(DATA, Way()))
+    instance = Instance(model)
+    assert dependence.observed(model, instance, "") == []
+    silent = replace(model, variables=[replace(v, depends=()) if v.name == "slide.acceleration" else v for v in model.variables])
+    (finding,) = dependence.observed(silent, instance, "")
+    assert finding.variable == "slide.acceleration"
+
+
+@pytest.mark.parametrize(
+    "old, new", [(b'unit="m/s2"', b'unit="m/s"'), (b'name="slide.speed"', b'name="slide.rate"'), (b'dependencies="1"', b'dependencies=""')]
+)
+def test_a_description_that_is_not_the_models(monkeypatch, old, new):
+    model = compile_scene(scene_of(DATA, Way()))
+    whole = dependence.description
+    assert dependence.told(model) == []
+    assert old in whole(model)
+    monkeypatch.setattr(dependence, "description", lambda model: whole(model).replace(old, new, 1))
+    assert dependence.told(model)
+
+
+# the second route
+
+
+@pytest.mark.parametrize("name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"])
+def test_what_the_second_route_tells_otherwise(good, plan, name):
+    model = compile_scene(scene_of(DATA, Way()))
+    assert route.agrees(DATA, plan, model, good, (), Count()) == []
+    row = next(k for k, phase in enumerate(good.phases) if phase == LEAVING and good.times[k] > 0)
+    (finding,) = route.agrees(DATA, plan, model, broken(good, name, row, lambda x: x + 1e-4), (), Count())
+    assert finding.variable == name.partition("[")[0]
+
+
+# plans
+
+
+def test_a_scene_that_loses_a_part_keeps_its_plan(plan):
+    smaller = DATA | {"joint": DATA["joint"] | {"ball": {"fixed": {}, "between": ["sledge", "bob"]}}}
+    other = plans.draw(SEED, compile_scene(scene_of(smaller, Way())), until=0.6)
+    np.testing.assert_array_equal(other.points, plan.points)
+    np.testing.assert_array_equal(other.inputs(0.1, 0), plan.inputs(0.1, 0))
+    assert any(way.host == "fmu" for way, _ in draws.draw(SEED, plan).bits) != INTERPRETED
+
+
+@pytest.mark.parametrize("wave", [0, 1, 2])
+def test_signals_and_their_derivatives(wave):
+    """Each is the rate of the one before."""
+    signal = plans.Signal(np.array([0.0]), np.array([[0.3, -1.2, 0.7, 0.4, -0.2, 0.1]]), wave=wave)
+    h = 1e-3
+
+    for k in range(5):
+        values = [signal.at(0.4 + j * h, 0)[k] for j in (-2, -1, 1, 2)]
+        assert signal.at(0.4, 0)[k + 1] == pytest.approx(np.dot([1, -8, 8, -1], values) / (12 * h), abs=1e-9)
+
+    assert signal.value(0.4, 0) == pytest.approx(signal.at(0.4, 0)[0], rel=1e-14)
+
+
+@pytest.mark.parametrize("pattern", [("shared",), ("equal", 3), ("unequal", 4), ("tiny", 2), ("union", (("equal", 3), ("tiny", 2)))])
+def test_communication_steps_meet_the_shared_points(plan, pattern):
+    steps = plans.pieces(plan, pattern)
+    np.testing.assert_allclose(np.cumsum([sum(own) for own in steps]), plan.points[1:], rtol=1e-12)
+    assert all(H > 0 for own in steps for H in own)
+
+
+def test_commands_of_one_motion_belong_together():
+    """The speed's course is the position's derivative, the acceleration's the speed's."""
+    driven = {"name": "d", "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}}}
+    driven["joint"] = {"j": {"revolute": {}, "between": ["ground", "b"], "driver": {"input": True}, "start": {"angle": 0.7}}}
+    driven["ground"] = {"motion": {"input": ["position", "velocity", "euler_parameters", "omega"]}}
+
+    for seed in range(8):
+        values = plans.draw(seed, compile_scene(Scene.model_validate(driven))).values(0.1, 0)
+        bare = values["j.speed_command"][1] == 0.0 and values["j.angle_command"][1] == 0.0
+
+        if not bare:
+            assert values["j.angle_command"][1] == pytest.approx(values["j.speed_command"][0])
+            assert values["j.speed_command"][1] == pytest.approx(values["j.acceleration_command"][0])
+            assert values["ground.position[2]"][1] == pytest.approx(values["ground.velocity[2]"][0])
+            E = [values[f"ground.euler_parameters[{k}]"] for k in (1, 2, 3, 4)]
+            assert 2 * (E[3][0] * E[2][1] - E[2][0] * E[3][1]) == pytest.approx(values["ground.omega[3]"][0])

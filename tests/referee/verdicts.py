@@ -106,7 +106,7 @@ def _reference(data, plan, ways):
 
 def _near(data, plan, ways, runs, of, verdict):
     for k, other in enumerate(runs):
-        half = run(data, plan, ways.halved[k]) if k in ways.halved else None
+        half = [run(data, plan, way) for way in ways.halved[k]] if k in ways.halved else None
         verdict.findings += compare.near(of, other, verdict.count, half)
 
         # who stops where the reference goes on
@@ -129,18 +129,29 @@ def _bits(data, plan, ways, runs, verdict, libraries):
 
 def _balances(data, scene, plan, ways, of, verdict):
     way = replace(ways.integrals, integrator=of.run.way.integrator, tolerance=of.run.way.tolerance)
+    found = _unbalanced(data, scene, plan, way, of, verdict.count)
+
+    if found:
+        pattern = ("equal", laws.PANELS * laws.FINER)
+        finer = _unbalanced(data, scene, plan, replace(way, pattern=pattern), of, verdict.count)
+        verdict.findings += [f for f in found for g in finer if laws.persists(f, g)]
+
+
+def _unbalanced(data, scene, plan, way, of, count):
+    """What does not balance over the intervals of a run made for it."""
     found = run(data, plan, way)
 
     if not found.whole or not laws.smooth_commands(data):
-        verdict.count.add("no balance")
-        return
+        count.add("no balance")
+        return []
 
-    integrals = laws.Integrals(found)
-    verdict.findings += laws.energy(integrals, of, verdict.count)
+    integrals = laws.Integrals(found, way.pattern[1])
+    unbalanced = laws.energy(integrals, of, count)
 
     if laws.bears_all(data):
-        masses = laws.mass_and_gravity(scene, plan)
-        verdict.findings += laws.momentum(integrals, of, verdict.count, *masses)
+        unbalanced += laws.momentum(integrals, of, count, *laws.mass_and_gravity(scene, plan))
+
+    return unbalanced
 
 
 def _second_route(data, plan, model, reference, ignored, verdict):
