@@ -38,11 +38,12 @@ APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
 class Reference:
     """The reference and its kicked runs.
 
-    units : of outputs by name. ignored : groups of outputs that are not determined.
+    units : of outputs by name. ignored : groups of outputs that are not determined. start : how exact a start is, m and rad.
     size : of a group, the largest value of all outputs of its unit, which rounding goes by.
     """
 
-    def __init__(self, run, kicked, units, ignored=()):
+    def __init__(self, run, kicked, units, ignored=(), start=0.0):
+        self.start = start
         self.run = run
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
@@ -61,7 +62,11 @@ class Reference:
 
         for g, columns in self.groups.items():
             parted = [difference(g, np.array(k.values)[:n][:, columns], self.values[:, columns]) for k in kicked]
-            self.growth[g] = np.maximum.accumulate(np.max(parted, axis=0)) / KICK
+            growth = np.maximum.accumulate(np.max(parted, axis=0)) / KICK
+
+            # the start, before the first kick, is as far off as what it was kicked to
+            growth[:1] = growth[1:2] if n > 1 else growth[:1]
+            self.growth[g] = growth
 
     def rows(self, run):
         """(rows of a run, rows here) at the same times and phases."""
@@ -118,7 +123,7 @@ def near(reference, run, count, halved=None, twin=None):
     safety = SAFETY + OF_A_STEP * steps / reference.intervals
     n = len(twin.values) if twin else len(run.values)
     theirs, ours = theirs[theirs < n], ours[theirs < n]
-    tolerance = ULPS if twin else TIGHT if run.way.step else TIGHT + run.way.tolerance
+    tolerance = ULPS if twin else reference.start + TIGHT + (0.0 if run.way.step else run.way.tolerance)
     values, at = np.array(run.values), {name: k for k, name in enumerate(run.names)}
     beyond, worst = 0.0, None
 

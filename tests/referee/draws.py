@@ -12,6 +12,7 @@ from .ways import ADAPTIVE, FIXED, TIGHT, Way
 PATTERNS = (("shared",), ("equal", 3), ("unequal", 3), ("tiny", 2))
 KICKS = (1, 2)
 SECONDS_INTERPRETED = 4.0
+INTERPRETED_EVALUATIONS = 2000  # in a communication step, of one body
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,9 @@ class Ways:
     halved: dict[int, list[Way]]
 
 
-def draw(seed, plan, n=3, fmu=True, interpreted=True):
-    """The ways of a scene. n : of those that are compared within tolerances. fmu, interpreted : whether some are run so."""
+def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
+    """The ways of a scene of so many bodies. n : of those that are compared within tolerances. fmu, interpreted : whether some are run
+    so."""
     rng = dice(seed, "ways")
     pattern = PATTERNS[rng.integers(len(PATTERNS))]
     formulations = list(rng.permutation(["embedding", "augmented", "recursive"]))
@@ -47,7 +49,9 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True):
 
     if not INTERPRETED and interpreted:
         which = int(rng.integers(n))
-        rounding.append((replace(near[which], interpreted=True, seconds=SECONDS_INTERPRETED), which))
+        most = INTERPRETED_EVALUATIONS // (bodies * (5 if near[which].formulation == "augmented" else 1))
+        way = replace(near[which], interpreted=True, evaluations=max(20, most), seconds=SECONDS_INTERPRETED)
+        rounding.append((way, which))
 
     equal = np.ptp(np.diff(plan.points)) < 1e-9 * plan.until
 

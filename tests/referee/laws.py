@@ -87,9 +87,10 @@ def gaps(run, values, data):
 
 
 class Integrals:
-    """Simpson's integrals of a run over the intervals of the plan, each in so many steps."""
+    """Simpson's integrals of a run over the intervals of the plan, each in so many steps. jumps : s, where speeds jump."""
 
-    def __init__(self, run, panels=PANELS):
+    def __init__(self, run, panels=PANELS, jumps=()):
+        self.jumps = np.array(sorted(jumps))
         self.run = run
         self.values = np.array(run.values)
         self.columns = groups(run.names)
@@ -117,8 +118,13 @@ class Integrals:
     def get(self, name):
         return self.values[:, self.columns[name]]
 
-    def turns_over(self, k):
-        """Whether the rotation that a linear force or a bushing counts begins anew in interval k: its energy then jumps."""
+    def is_broken(self, k):
+        """Whether speeds jump in interval k, or the rotation that a linear force or a bushing counts begins anew: energy then jumps."""
+        a, b = self.run.times[self.begins[k]], self.run.times[self.ends[k]]
+
+        if np.any((self.jumps >= a - 1e-9) & (self.jumps <= b + 1e-9)):
+            return True
+
         rows = slice(self.begins[k], self.ends[k] + 1)
         turns = [np.diff(self.values[rows][:, c], axis=0) for g, c in self.columns.items() if g.endswith(".rotation")]
         return any(np.abs(turn).max() > 2.0 for turn in turns)
@@ -170,8 +176,8 @@ def _balance(verdict, name, integrals, wanted, error, size, reference, count):
 
     for k in range(len(change)):
         at = np.searchsorted(reference.times, i.run.times[i.ends[k]] + 1e-9, "right") - 1
-        if i.turns_over(k):
-            count.add("energy of a turn that begins anew")
+        if i.is_broken(k):
+            count.add("intervals over which energy jumps")
             continue
 
         allowed = 2.0 * error[k].max() + SAFETY * 2 * TIGHT * growth[at] + 1e-9 * size
@@ -229,8 +235,14 @@ def mass_and_gravity(scene, plan):
     return np.array([mass for mass, _ in found]), np.array([gravity for _, gravity in found])
 
 
-def smooth_commands(data):
-    """Whether nothing makes speeds jump, which no integral over time sees."""
-    ground = data.get("ground", {}).get("motion", {})
-    tables = [joint.get("driver", {}).get("table", {}) for joint in data.get("joint", {}).values()] + [ground.get("table", {})]
-    return not any(table.get("interpolation") == "linear" for table in tables)
+def jumps(data):
+    """s, when tables of positions may make speeds jump, which no integral sees: at their ends, and everywhere where they are straight."""
+    tables = [joint.get("driver", {}).get("table") for joint in data.get("joint", {}).values()]
+    tables.append(data.get("ground", {}).get("motion", {}).get("table"))
+    found = set()
+
+    for table in filter(None, tables):
+        time = table["time"]
+        found |= set(time if table.get("interpolation") == "linear" else (time[0], time[-1]))
+
+    return found

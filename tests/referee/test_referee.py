@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from .findings import Count
 from .generator import FOCUS, draw
 from .interpreter import Interpreter
 from .verdicts import judge
-from .ways import LEAVING, Libraries, Way, run, scene_of
+from .ways import LEAVING, Libraries, Way, model_of, run, scene_of
 
 # a pendulum on a sledge, hung by a ball joint; all that acts is in it
 DATA = {
@@ -46,7 +47,7 @@ def interpreter():
 
 @pytest.fixture(scope="module")
 def plan():
-    return plans.draw(SEED, compile_scene(scene_of(DATA, Way())), until=0.6)
+    return plans.draw(SEED, model_of(DATA, Way()), until=0.6)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +57,7 @@ def ways(plan):
 
 @pytest.fixture(scope="module")
 def reference(plan, ways):
-    model = compile_scene(scene_of(DATA, Way()))
+    model = model_of(DATA, Way())
     units = {v.name: v.unit for v in model.of_causality("output")}
     return compare.Reference(run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units)
 
@@ -224,13 +225,13 @@ def test_orientations_as_they_are_written(table):
     np.testing.assert_allclose(turned, marker.pose()[1], atol=1e-14)
 
 
-def test_check_tells_what_a_run_tells(good, tmp_path):
-    path = tmp_path / "sledge.toml"
-    path.write_text(Scene.model_validate(DATA).to_toml(), encoding="utf-8")
-    assert starts.checked(path, good) == []
-    assert len(starts.checked(path, replace(good, notices=["the mass is odd"]))) == 1
-    path.write_text("name = 1", encoding="utf-8")
-    assert starts.checked(path, good)[0].verdict == "check"
+def test_check_tells_what_a_run_tells(tmp_path, monkeypatch):
+    scene, path = Scene.model_validate(DATA), tmp_path / "sledge.toml"
+    assert starts.checked(scene, path) == []
+    monkeypatch.setattr(starts, "Instance", lambda model: SimpleNamespace(notices=["the mass is odd"]))
+    assert len(starts.checked(scene, path)) == 1
+    monkeypatch.setattr(starts, "main", lambda arguments: 1)
+    assert starts.checked(scene, path)[0].verdict == "check"
 
 
 def test_a_scene_that_is_not_written_as_it_is(monkeypatch):
@@ -244,7 +245,7 @@ def test_a_scene_that_is_not_written_as_it_is(monkeypatch):
 
 
 def test_a_dependence_that_is_not_declared():
-    model = compile_scene(scene_of(DATA, Way()))
+    model = model_of(DATA, Way())
     instance = Instance(model)
     assert dependence.observed(model, instance, "") == []
     silent = replace(model, variables=[replace(v, depends=()) if v.name == "slide.acceleration" else v for v in model.variables])
@@ -256,7 +257,7 @@ def test_a_dependence_that_is_not_declared():
     "old, new", [(b'unit="m/s2"', b'unit="m/s"'), (b'name="slide.speed"', b'name="slide.rate"'), (b'dependencies="1"', b'dependencies=""')]
 )
 def test_a_description_that_is_not_the_models(monkeypatch, old, new):
-    model = compile_scene(scene_of(DATA, Way()))
+    model = model_of(DATA, Way())
     whole = dependence.description
     assert dependence.told(model) == []
     assert old in whole(model)
@@ -269,7 +270,7 @@ def test_a_description_that_is_not_the_models(monkeypatch, old, new):
 
 @pytest.mark.parametrize("name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"])
 def test_what_the_second_route_tells_otherwise(good, plan, name):
-    model = compile_scene(scene_of(DATA, Way()))
+    model = model_of(DATA, Way())
     assert route.agrees(DATA, plan, model, good, (), Count()) == []
     row = next(k for k, phase in enumerate(good.phases) if phase == LEAVING and good.times[k] > 0)
     (finding,) = route.agrees(DATA, plan, model, broken(good, name, row, lambda x: x + 1e-4), (), Count())

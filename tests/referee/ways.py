@@ -5,6 +5,7 @@ read twice: before (ARRIVING) and after (LEAVING).
 """
 
 import _ctypes
+import json
 import time as clock
 import traceback
 from dataclasses import dataclass, field
@@ -29,6 +30,7 @@ ADAPTIVE = ("auto", "rk54", "rk853", "radau")
 # evaluations of the accelerations in one communication step: more is told, and the way is not compared
 MOST_EVALUATIONS = 20000
 TIGHT = 1e-11
+MODELS_KEPT = 8
 
 # random changes of the state, in units of the error that a step of tolerance 1 may make
 KICK = 1e-7
@@ -45,7 +47,7 @@ class Way:
     exact : no inner step goes across a communication point, so nothing is read off between inner steps.
     plain : with the scene's own outputs, not all there are.
     kick : seed of small changes of the state at every shared point, which tell how much an error grows.
-    seconds : s of wall time after which the run ends where it is.
+    evaluations : as many as a communication step may cost. seconds : s of wall time after which the run ends where it is.
     """
 
     formulation: str = "recursive"
@@ -60,6 +62,7 @@ class Way:
     exact: bool = False
     kick: int | None = None
     plain: bool = False
+    evaluations: int = MOST_EVALUATIONS
     seconds: float = 20.0
 
     def __str__(self):
@@ -71,7 +74,7 @@ class Way:
 
     def solver(self):
         """Keys of the scene's solver."""
-        table = {"formulation": self.formulation, "integrator": self.integrator, "max_evaluations": MOST_EVALUATIONS}
+        table = {"formulation": self.formulation, "integrator": self.integrator, "max_evaluations": self.evaluations}
 
         if self.step:
             return table | {"step": self.step}
@@ -129,13 +132,29 @@ def scene_of(data, way):
     return Scene.model_validate((data if way.plain else all_told(data)) | {"solver": solver | way.solver()})
 
 
+_models = {}
+
+
+def model_of(data, way):
+    """The `Model` of a scene in a way; the last few are kept. Raises SceneError."""
+    key = json.dumps([data, way.solver(), way.plain])
+
+    if key not in _models:
+        while len(_models) >= MODELS_KEPT:
+            del _models[next(iter(_models))]
+
+        _models[key] = compile_scene(scene_of(data, way))
+
+    return _models[key]
+
+
 def run(data, plan, way, libraries=None):
     """Run a scene (a dict) in a way. libraries : `Libraries`, of ways in an FMU."""
     result = Run(way)
     begun = clock.perf_counter()
 
     try:
-        model = compile_scene(scene_of(data, way))
+        model = model_of(data, way)
         result.names = [v.name for v in model.of_causality("output")]
         HOSTS[way.host](model, plan, way, result, libraries)
     except SceneError as error:
