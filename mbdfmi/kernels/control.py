@@ -11,7 +11,7 @@ import numpy as np
 from . import contacts, joints
 from .language import inlined
 from .project import project, restore_x
-from .rates import is_finite
+from .rates import is_finite, set_time
 from .status import NOT_FINITE, OK, STEP_TOO_SMALL, status
 
 SAFETY = 0.9
@@ -101,8 +101,12 @@ def equal_steps(H, most):
 
 
 @inlined
-def accept(m, d):
-    """End of an inner step of fixed length: d.x is projected, or what it was before it. Returns a status."""
+def accept(m, d, s):
+    """End, at s (s) of the communication step, of an inner step of fixed length: d.x is projected, or what it was before. Returns a status.
+
+    Not every method has a stage there, where drives are to be met.
+    """
+    set_time(m, d, s)
     failure = project(m, d) if is_finite(d, m.n_x) else status(NOT_FINITE, 0)
 
     if failure == OK:

@@ -88,7 +88,7 @@ def rk4(m, d, H):
             slope = d.stage[k] + 2.0 * (d.stage[n + k] + d.stage[2 * n + k]) + d.stage[3 * n + k]
             d.x[k] = d.x_before[k] + h / 6.0 * slope
 
-        failure = control.accept(m, d)
+        failure = control.accept(m, d, s + h)
 
         if failure != OK:
             return failure, s

@@ -154,7 +154,7 @@ def gauss(m, d, H):
             d.x[k] = d.x_before[k] + h * slope
 
         d.span[0] = h
-        failure = control.accept(m, d)
+        failure = control.accept(m, d, s + h)
 
         if failure != OK:
             return failure, s

@@ -496,7 +496,7 @@ def ros2(m, d, H):
         for k in range(n):
             d.x[k] = d.x_before[k] + 0.5 * h * (3.0 * d.stage[k] + d.stage[n + k])
 
-        failure = control.accept(m, d)
+        failure = control.accept(m, d, s + h)
 
         if failure != OK:
             return failure, s
