@@ -19,12 +19,10 @@ SMALL = 6  # bodies up to which every shared point is looked at
 FORCES = ("accel", "alpha", "effort", "reaction", "power", "moment", "force")
 
 
-def agrees(data, plan, model, run, ignored, count):
+def agrees(data, plan, run, ignored, count):
     """Findings where a run in process tells another thing than the independent route, of the same motion."""
     columns = groups(list(plan.signals))
 
-    # lengths that struts have at the start are those of the start alone
-    standing = {v.name: v.start for v in model.of_causality("parameter") if v.name.endswith(".rest_length")}
     leaving = np.flatnonzero(np.array(run.phases) == LEAVING)
     times = np.array(run.times)[leaving]
     system = None
@@ -38,14 +36,15 @@ def agrees(data, plan, model, run, ignored, count):
 
         changed = plan.settings.get(k, {})
 
-        if any(standing.get(name) != value for name, value in changed.items()):
-            standing |= changed
-            system = None
+        # what the scene leaves to the start stays as it was there
+        if system is None:
+            system = System(data, changed)
+        elif changed:
+            system = system.changed(changed)
 
         if k % stride:
             continue
 
-        system = system or System(data, standing)
         told = named(run.names, run.values[row[0]])
         inputs = {name: np.squeeze(plan.inputs(t, k)[:, at]) for name, at in columns.items()}
         own = system.evaluate(run.times[row[0]], system.motions_of(told), inputs, told)

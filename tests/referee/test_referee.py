@@ -270,10 +270,9 @@ def test_a_description_that_is_not_the_models(monkeypatch, old, new):
 
 @pytest.mark.parametrize("name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"])
 def test_what_the_second_route_tells_otherwise(good, plan, name):
-    model = model_of(DATA, Way())
-    assert route.agrees(DATA, plan, model, good, (), Count()) == []
+    assert route.agrees(DATA, plan, good, (), Count()) == []
     row = next(k for k, phase in enumerate(good.phases) if phase == LEAVING and good.times[k] > 0)
-    (finding,) = route.agrees(DATA, plan, model, broken(good, name, row, lambda x: x + 1e-4), (), Count())
+    (finding,) = route.agrees(DATA, plan, broken(good, name, row, lambda x: x + 1e-4), (), Count())
     assert finding.variable == name.partition("[")[0]
 
 

@@ -162,7 +162,7 @@ def _unbalanced(data, scene, plan, way, of, count):
 
 def _second_route(data, plan, model, reference, ignored, verdict):
     try:
-        verdict.findings += route.agrees(data, plan, model, reference, ignored, verdict.count)
+        verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count)
     except Exception as error:
         # of parts of the schema that it does not read yet
         verdict.count.add(f"second route without an answer: {type(error).__name__} {error}"[:120])

@@ -184,8 +184,7 @@ class Instant:
         for e in self.system.elements.values():
             if e.kind == "spring_damper" and e.rest_is_of_start:
                 (r1, *_), (r2, *_) = (self.frame(end) for end in e.ends)
-                rest = self.hints.number(e.name, "rest_length")
-                e.spring.rest = np.linalg.norm(r2 - r1) if rest is None else rest
+                started["length"][e.name] = np.linalg.norm(r2 - r1)
 
     # what acts
 
@@ -273,6 +272,10 @@ class Instant:
         direction = (r2 - r1) / length if length else np.zeros(3)
         rate = direction @ (v2 - v1)
         pulled = self.inputs(e.name, "force")[0] if e.has_input else 0.0
+
+        if e.rest_is_of_start:
+            e.spring.rest = self.system.started["length"][e.name]
+
         e.now = length, rate, e.tensions(length, rate, pulled)
         tension = sum(e.now[2])
         self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], tension * direction))

@@ -96,6 +96,12 @@ class System:
         self.started = None
         given.check()
 
+    def changed(self, parameters):
+        """The system with other values of some parameters from now on; what the scene leaves to the start stays."""
+        system = System(self.data, self.given.values | Parameters(parameters).values)
+        system.started = self.started
+        return system
+
     # frames
 
     def _frame_table(self, end):
@@ -171,8 +177,7 @@ class System:
             (a, alpha) after these where they are not commanded.
         inputs : name -> value, or array whose first axis is the order of the derivative.
         hints : what is known from elsewhere, by variable name: whole turns of angles, parameters s near which to look, the
-            speed and acceleration of joints that inputs drive, the sign of Euler parameters; at the start, rest lengths of
-            struts that the scene leaves to the start values, where these are not where it starts.
+            speed and acceleration of joints that inputs drive, the sign of Euler parameters.
         """
         return outputs.tell(self, self.solve(t, motions, inputs, hints))
 
