@@ -19,12 +19,12 @@ from .making.mechanism import Mechanism
 
 TREE = {
     "revolute": 6, "prismatic": 6, "spherical": 2.2, "free": 1.5, "cylindrical": 1.2, "universal": 3.5, "planar": 1.5,
-    "translation": 2, "screw": 2, "fixed": 1,
+    "translation": 2, "screw": 2.6, "fixed": 1,
 }
 LOOPS = {
     "revolute": 2.5, "prismatic": 2, "spherical": 1.2, "cylindrical": 1.2, "universal": 1.2, "planar": 1.2, "translation": 1,
     "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1, "distance": 1.2, "rolling_sphere": 1,
-    "rolling_disk": 1.3, "knife_edge": 1, "point_on_curve": 2, "curve_on_curve": 1.5, "point_on_surface": 3,
+    "rolling_disk": 1.8, "knife_edge": 1, "point_on_curve": 2, "curve_on_curve": 2.3, "point_on_surface": 3.8,
 }
 # kinds of trees: what they are mostly of
 FAMILIES = {
@@ -218,7 +218,7 @@ def _frames(mechanism):
             yield marker, lambda teller: teller.decoration() | teller.frame()
 
     for marker in mechanism.ground_marker.values():
-        yield marker, lambda teller: teller.decoration(0.1)
+        yield marker, lambda teller: teller.decoration(0.13)
 
 
 def _measures(dice, mechanism, taste, teller):
@@ -253,7 +253,7 @@ def _joint(dice, mechanism, joint, v, taste, teller):
 def _start(dice, mechanism, joint, v, sort):
     """What is written of a joint's start."""
     if joint.kind in kinds.CONTACTS:
-        return dict(joint.q) if dice.chance(0.6) else {}
+        return dict(joint.q) if dice.chance(0.7) else {}
 
     if not joint.q or joint.says == "" or sort == "none":
         return {}
@@ -269,7 +269,7 @@ def _start(dice, mechanism, joint, v, sort):
     if sort in ("off", "contradicting") and dice.chance(0.5):
         return _shaken(dice, start, 0.03 if sort == "off" else 0.5)
 
-    return kinds.in_tables(start) if dice.chance(0.2) else start
+    return kinds.in_tables(start) if dice.chance(0.3) else start
 
 
 def _shaken(dice, start, size):

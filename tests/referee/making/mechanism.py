@@ -246,7 +246,7 @@ class Mechanism:
             a, b = dice.some(owners, 2)[:2]
             if {a, b} == {"ground", "inertial"}:
                 a = dice.pick(self.body)
-            if any(joint.shapes) and dice.chance(0.5) and b != "ground":
+            if any(joint.shapes) and dice.chance(0.55) and b != "ground":
                 a = "ground"
 
             if kind in kinds.ONE:

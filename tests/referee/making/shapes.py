@@ -24,7 +24,7 @@ class Curve(NamedTuple):
 
 
 CURVES = ("line", "circle", "parabola", "cycloid", "spline", "table")
-SURFACES = ("plane", "sphere", "cylinder", "torus", "prism", "table")
+PROFILES = {"line": 1, "circle": 1, "parabola": 1, "cycloid": 1, "spline": 1.7, "table": 1.9}
 
 
 def curve(dice, planar=False, kind=None):
@@ -110,7 +110,8 @@ def surface(dice, kind=None):
         return Surface({"plane": {}}, s, np.array([*s, 0.0]), np.array([0, 0, 1.0]))
 
     if kind == "prism":
-        profile, z = curve(dice, planar=True), dice.number(-0.5, 0.5)
+        profile = curve(dice, planar=True, kind=dice.weighted(PROFILES))
+        z = dice.number(-0.5, 0.5)
         r = profile.r + [0, 0, z]
         return Surface({"prism": {"profile": profile.table}}, [profile.s, z], r, np.cross(profile.t, [0, 0, 1]))
 
