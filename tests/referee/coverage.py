@@ -222,5 +222,5 @@ def table(counts: Counter, least: int = LEAST) -> str:
     width = max(map(len, counts))
     lines = [f"{key:{width}} {n:6}{'' if n >= least else '  *'}" for key, n in sorted(counts.items())]
     rare = [key for key, n in sorted(counts.items()) if n < least]
-    lines.append(f"{len(counts)} keys, {len(rare)} of them in fewer than {least} scenes" + "".join(f"\n    {key}" for key in rare))
-    return "\n".join(lines)
+    lines.append(f"{len(counts)} keys, {len(rare)} of them in fewer than {least} scenes")
+    return "\n".join([*lines, *(f"    {key}" for key in rare)])

@@ -59,8 +59,8 @@ FOCUS = {
 def draw(seed: int, size: int | None = None, focus: str | None = None, start: str | None = None) -> dict:
     """The scene of a seed.
 
-    size : number of bodies, else 1 to 30. focus : one of FOCUS, for a small scene rich in that. start : one of STARTS; where it is
-    "fit" or "places", all that is written of the start can be kept.
+    size : number of bodies, else 1 to 30. focus : one of FOCUS, for a small scene rich in that. start : one of STARTS; where it
+    is "fit" or "places", all that is written of the start can be kept.
     """
     for attempt in range(100):
         dice = Dice(seed, attempt)
@@ -92,8 +92,7 @@ def time_scale(data: dict) -> float:
 def _taste(dice, size, focus, start):
     """What a scene is to be like."""
     n = size or (dice.whole(1, 4) if focus else dice.weighted(_sizes()))
-    starts = dice.weighted(FOCUS.get(focus, {}).get("starts", STARTS))
-    starts = start or starts
+    starts = start or dice.weighted(FOCUS.get(focus, {}).get("starts", STARTS))
     loops = dice.weighted({0: 2, 1: 3, 2: 2, 3: 1})
     couplings = dice.weighted({0: 4, 1: 3, 2: 2, 4: 0.7})
     weights = {name: weight for name, (weight, _) in FAMILIES.items()}

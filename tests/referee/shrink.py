@@ -11,6 +11,7 @@ from mbdfmi.scene import writer
 
 TABLES = ("measure", "force", "coupling", "joint", "body")
 ENDS = ("between", "on")
+COLUMNS = ("time", "speed", "length", "position", "position_deg", "frequency", "s", "points")
 
 
 def toml(data: dict) -> str:
@@ -28,7 +29,7 @@ def shrink(data: dict, fails, tries: int = 1000) -> dict:
     while before != search.data and search.left > 0:
         before = search.data
 
-        for step in (_without_entries, _without_bodies, _without_keys, _without_items, _plain_ends, _without_points, _round_numbers):
+        for step in STEPS:
             step(search)
 
     return search.data
@@ -196,7 +197,7 @@ def _without_points(search):
     """Fewer points of tables: the same one out of all their columns."""
     for path in list(_places(search.data)):
         holder = _holder(search.data, path)
-        if holder is None or path[-1] not in ("time", "speed", "length", "position", "position_deg", "frequency", "s", "points"):
+        if holder is None or path[-1] not in COLUMNS:
             continue
 
         column = holder[path[-1]]
@@ -265,3 +266,6 @@ def _set(data, path, value):
         data = data[key]
 
     data[path[-1]] = value
+
+
+STEPS = (_without_entries, _without_bodies, _without_keys, _without_items, _plain_ends, _without_points, _round_numbers)

@@ -1,1 +1,1 @@
-"""What a random scene is made of, each a file: frames, shapes, kinds of joints, mechanism, bodies, motions, forces, what is told."""
+"""What a random scene is made of, a file for each: frames, shapes, kinds of joints, mechanism, bodies, motions, forces, outputs."""

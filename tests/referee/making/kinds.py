@@ -197,9 +197,8 @@ def _above(dice):
 def _rolling_sphere(dice, size):
     radius, side = dice.number(0.1, 0.6), _above(dice)
     r = np.array([*dice.vector(0.5, 2), side * radius])
-    return Drawn(
-        "rolling_sphere", {"rolling_sphere": {"radius": radius}}, {}, (r, _anywhere(dice)), rows=_rolls(np.array([0, 0, -side * radius]))
-    )
+    rows = _rolls(np.array([0, 0, -side * radius]))
+    return Drawn("rolling_sphere", {"rolling_sphere": {"radius": radius}}, {}, (r, _anywhere(dice)), rows=rows)
 
 
 def _rolls(arm):
@@ -325,7 +324,8 @@ def _rates(dice, joint, v):
     return linear | ({"omega": omega.tolist()} if dice.chance(0.5) else {"omega_body": (joint.pose[1].T @ omega).tolist()})
 
 
-NAMES = {"position": "xyz", "velocity": "xyz", "omega": "xyz", "omega_body": "xyz", "angles": ("first", "second"), "speeds": ("first", "second")}
+TWO = ("first", "second")
+NAMES = {"position": "xyz", "velocity": "xyz", "omega": "xyz", "omega_body": "xyz", "angles": TWO, "speeds": TWO}
 
 
 def in_tables(table):

@@ -242,7 +242,8 @@ class Mechanism:
                 kind = dice.weighted(self.taste["cuts"])
 
             joint = kinds.draw(dice, kind, self._range())
-            owners = [*self.body, "ground"] + (["inertial"] if dice.chance(0.1) and self.centre_free and not any(joint.shapes) else [])
+            rest = dice.chance(0.1) and self.centre_free and not any(joint.shapes)
+            owners = [*self.body, "ground"] + (["inertial"] if rest else [])
             a, b = dice.some(owners, 2)[:2]
             if {a, b} == {"ground", "inertial"}:
                 a = dice.pick(self.body)
@@ -272,11 +273,13 @@ class Mechanism:
 
         if near is None and (b == "inertial" or (a != "inertial" and dice.chance(0.5))):
             far = self._somewhere(b)
-            near_pose = frames.compose(frames.inverse(self.poses[a]), frames.compose(self.poses[b], frames.compose(far[1], inner)))
+            world = frames.compose(self.poses[b], frames.compose(far[1], inner))
+            near_pose = frames.compose(frames.inverse(self.poses[a]), world)
             near = frames.written_pose(dice, near_pose), near_pose
         else:
             near = near or self._somewhere(a)
-            far_pose = frames.compose(frames.inverse(self.poses[b]), frames.compose(self.poses[a], frames.compose(near[1], joint.pose)))
+            world = frames.compose(self.poses[a], frames.compose(near[1], joint.pose))
+            far_pose = frames.compose(frames.inverse(self.poses[b]), world)
             if off:
                 far_pose = far_pose[0], frames.about(frames.unit(dice.vector(1.0)), off) @ far_pose[1]
             far = frames.written_pose(dice, far_pose), far_pose
@@ -337,7 +340,8 @@ class Mechanism:
                 if dice.chance(self.taste["offset"]):
                     if dice.chance(self.taste["misfit"]):
                         offset += dice.number(-0.2, 0.2)
-                    options |= {"offset_deg": float(np.degrees(offset))} if kind == "gear" and dice.chance(0.5) else {"offset": offset}
+                    in_degrees = kind == "gear" and dice.chance(0.5)
+                    options |= {"offset_deg": float(np.degrees(offset))} if in_degrees else {"offset": offset}
                 name = self.names.new(names.COUPLINGS)
                 self.coupling[name] = {kind: options, "between": [first.name, second.name]}
                 return True

@@ -11,7 +11,7 @@ JOINT = {
     "free": ("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"),
     "point_on_curve": ("s", "s_rate"), "curve_on_curve": ("s", "s_rate"), "point_on_surface": ("s", "s_rate"),
 }
-EFFORTS = {"spring": "spring_effort", "damper": "damper_effort", "friction": "friction_effort", "stop": "stop_effort", "input": "input_effort"}
+EFFORTS = {part: f"{part}_effort" for part in ("spring", "damper", "friction", "stop", "input")}
 SCENE = (
     "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power", "load_power",
     "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap",
