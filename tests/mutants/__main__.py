@@ -100,7 +100,8 @@ def undo(console, options):
                 verdict = judge_undone(undone, copy, options.undone == "referee", by_line, times)
                 verdicts[undone.name] = verdict
                 keep(options.resume, verdicts)
-                console.print(f"{undone.rule}. {undone.name}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s", markup=True)
+                text = f"{undone.rule}. {undone.name}: {verdict.outcome} {verdict.by}"
+                console.print(f"{text} [dim]{verdict.seconds:.0f} s")
 
     left = [name for name, verdict in verdicts.items() if verdict.outcome not in (CAUGHT, BY_TIME)]
     console.print(f"{len(verdicts) - len(left)} of {len(verdicts)} mendings are noticed when they are undone")

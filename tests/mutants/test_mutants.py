@@ -73,7 +73,8 @@ def test_the_draw_is_that_of_its_seed():
     drawn = draw.draw(1, numbers)
     assert drawn == draw.draw(1, numbers)
     assert drawn != draw.draw(2, numbers)
-    assert {mutant.kind for mutant in drawn if mutant.file.startswith("compiler")} >= {"sign", "index", "transposed", "key ignored"}
+    kinds = {mutant.kind for mutant in drawn if mutant.file.startswith("compiler")}
+    assert kinds >= {"sign", "index", "transposed", "key ignored"}
     assert len({(mutant.file, mutant.line) for mutant in drawn}) == len(drawn) == 15
 
     for mutant in drawn:

@@ -183,7 +183,8 @@ UNDONE = [
         7, "a step backwards is taken", "kernels/entry.py", "if not H >= 0.0:", "if False:", "tests/test_bounded_work.py",
     ),
     Undone(
-        7, "masses whose sums overflow are taken", "kernels/prepare.py", "        if not has_finite_inertia(d, i):", "        if False:",
+        7, "masses whose sums overflow are taken", "kernels/prepare.py",
+        "        if not has_finite_inertia(d, i):", "        if False:",
         "tests/test_extremes.py",
     ),
     Undone(
@@ -198,7 +199,8 @@ UNDONE = [
     # 9
     Undone(
         9, "an inertia that no body has is refused", "scene/bodies.py",
-        "    if moments[0] < -1e-9 * largest:", "    if moments[0] < -1e-9 * largest or moments[0] + moments[1] < 0.99 * moments[2]:",
+        "    if moments[0] < -1e-9 * largest:",
+        "    if moments[0] < -1e-9 * largest or moments[0] + moments[1] < 0.99 * moments[2]:",
         "tests/test_massless.py tests/test_scene.py tests/test_notices.py",
     ),
     Undone(
@@ -279,7 +281,8 @@ UNDONE = [
         "RULES = (far_angles, ", "RULES = (", "tests/test_told.py",
     ),
     Undone(
-        13, "a body in mm among others in m is not noticed", "scene/notices.py", " far_sizes, coarse_tolerance,", " coarse_tolerance,",
+        13, "a body in mm among others in m is not noticed", "scene/notices.py",
+        " far_sizes, coarse_tolerance,", " coarse_tolerance,",
         "tests/test_told.py",
     ),
     Undone(
@@ -295,7 +298,8 @@ UNDONE = [
         "known(variable_name(name), by_name, \"parameter\")", "known(name, by_name, \"parameter\")", "tests/test_told.py",
     ),
     Undone(
-        13, "a file of another kind is read as TOML", "scene/reader.py", "    if kind := _other_kind(data):", "    if kind := None:",
+        13, "a file of another kind is read as TOML", "scene/reader.py",
+        "    if kind := _other_kind(data):", "    if kind := None:",
         "tests/test_told.py",
     ),
     Undone(
