@@ -95,7 +95,7 @@ def test_every_kind(family):
 
 
 RUNS = {
-    "four bar": "four_bar", "disk": "rolling_disk", "loops": "bricard", "cam": ("contacts", "cam ring"),
+    "four bar": "four_bar", "disk": "rolling_disk", "cam": ("contacts", "cam ring"),
     "moving ground": ("grounds", "smooth"), "screw": ("couplings", "screw joint"), "track": ("contacts", "point on curve ring"),
 }  # fmt: skip
 
