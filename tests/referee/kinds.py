@@ -1,4 +1,4 @@
-"""Small scenes of every kind of thing that the schema has, for the independent route's tests: dicts as tomllib would give them."""
+"""Small scenes of every kind of thing that the schema has, as dicts, for the independent route's tests."""
 
 import numpy as np
 

@@ -53,7 +53,7 @@ class Contact:
     # where they touch
 
     def find(self, pair, near):
-        """Parameters s (count,) of the closest point, or of the common tangent, from `near` on; searched for where that is None."""
+        """Parameters s (count,) of the closest point, or of the common tangent; near : where to begin, None: searched for."""
         (r1, A1, _, _), (r2, A2, _, _) = pair
         d, R = A1.T @ (r2 - r1), A1.T @ A2
         if near is not None and (s := self._newton(np.ravel(near), d, R)) is not None:

@@ -328,7 +328,7 @@ class Instant:
     # rows
 
     def _gather_rows(self):
-        """All constraints: C a + bias = 0, with residuals and rates; rows_of[joint] are those of a joint, its driver's included."""
+        """All constraints, C a + bias = 0, with residuals and rates; rows_of[joint] are those of a joint."""
         self.rows, self.rows_of, self.unknown = [], {}, []
         count = 0
 

@@ -35,12 +35,12 @@ GEOMETRY = 11
 
 
 def joint_axis(kind, options):
-    """The unit vector (3,) that a joint's equations are about: of a universal joint the first, of a knife edge the lateral one."""
+    """The unit vector (3,) that a joint's equations are about: of a universal joint the first, of an edge the lateral one."""
     if kind == "universal":
         return universal_axes(options)[0]
 
-    key, default = {"planar": ("normal", "z"), "point_on_plane": ("normal", "z"), "knife_edge": ("lateral", "y")}.get(kind, ("axis", "z"))
-    return axis(options.get(key, default))
+    key = {"planar": "normal", "point_on_plane": "normal", "knife_edge": "lateral"}.get(kind, "axis")
+    return axis(options.get(key, "y" if key == "lateral" else "z"))
 
 
 def universal_axes(options):

@@ -20,7 +20,7 @@ class Inputs:
         self.values = values or {}
 
     def __call__(self, *names, size=None):
-        """(orders, size) of an input's value and derivatives, at least three; zeros where it is not given. size None: a scalar."""
+        """(orders, size) of an input's value and derivatives, at least three, zeros where not given; size None: a scalar."""
         name = dotted(*names)
         found = self.values.get(name, self.values.get(".".join(names)))
 

@@ -76,8 +76,8 @@ def swing_and_twist(R, R_now, E_now):
 class Signals:
     """Expressions over tau, collected by name: of positions, or of velocities.
 
-    After `compile`, a call gives for each of them its value, its rate (of positions), its highest rate at zero accelerations, and J,
-    the highest rate's derivative by the accelerations: the row of the Jacobian by the velocities.
+    After `compile`, a call gives for each of them its value, its rate (of positions), its highest rate at zero accelerations,
+    and J, the highest rate's derivative by the accelerations: the row of the Jacobian by the velocities.
     """
 
     def __init__(self):
