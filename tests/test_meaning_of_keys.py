@@ -365,6 +365,26 @@ def test_a_start_that_is_kept_is_not_told(kind, ends):
     assert_near(found["a.omega"], w if ends[0] == "ground" else -A.inv().apply(w), 1e-14)
 
 
+def test_the_place_given_to_a_free_body_is_kept():
+    """A hinge without a start goes to where a rod of length 1 reaches the body."""
+    scene = {
+        "name": "place", "gravity": [0, 0, 0],
+        "body": {
+            "p": {"mass": 1, "inertia": [0.1, 0.1, 0.1], "output": ["position"]},
+            "h": {"mass": 1, "inertia": [0.1, 0.1, 0.1], "marker": {"m": {"position": [1, 0, 0]}}},
+        },
+        "joint": {
+            "h": {"revolute": {}, "between": ["ground", "h"], "output": ["angle"]},
+            "f": {"free": {}, "between": ["ground", "p"], "start": {"position": [1, 1.2, 0]}},
+            "rod": {"distance": {"length": 1.0}, "between": ["h.m", "p"]},
+        },
+    }  # fmt: skip
+    instance = Instance(Scene.model_validate(scene).compile())
+    found = named_outputs(instance)
+    assert_near(found["p.position"], [1, 1.2, 0], 1e-12)
+    assert_near(np.hypot(np.cos(found["h.angle"]) - 1, np.sin(found["h.angle"]) - 1.2), 1.0, 1e-9)
+
+
 @pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
 def test_a_gear_on_a_hinge_that_closes_a_loop_starts_beyond_a_turn(formulation):
     """Of two hinges on one axis one closes a loop; the gear is at that one: ten times 300 degrees."""
