@@ -81,7 +81,7 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
     if ways.integrals and reference.whole:
         _balances(data, scene, plan, ways, of, verdict)
 
-    _second_route(data, plan, model, reference, ignored, verdict)
+    _second_route(data, plan, reference, ignored, verdict)
     findings += starts.kept(data, reference)
     findings += starts.written(data)
     findings += dependence.told(model)
@@ -160,7 +160,7 @@ def _unbalanced(data, scene, plan, way, of, count):
     return unbalanced
 
 
-def _second_route(data, plan, model, reference, ignored, verdict):
+def _second_route(data, plan, reference, ignored, verdict):
     try:
         verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count)
     except Exception as error:
