@@ -2,6 +2,7 @@
 
 import re
 import time as clock
+import traceback
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -163,9 +164,8 @@ def _unbalanced(data, scene, plan, way, of, count):
 def _second_route(data, plan, reference, ignored, verdict):
     try:
         verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count)
-    except Exception as error:
-        # of parts of the schema that it does not read yet
-        verdict.count.add(f"second route without an answer: {type(error).__name__} {error}"[:120])
+    except Exception:
+        verdict.findings.append(Finding("second route", str(reference.way), text=traceback.format_exc().strip()))
 
 
 def _dependence(model, plan, findings):
