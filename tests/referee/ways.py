@@ -352,7 +352,8 @@ class _Process:
         for array, kept in zip(self._core(), snapshot):
             array[:] = kept
 
-        # as the FMU does: nothing of the work array counts
+        # as the FMU does: the parameters are prepared, and nothing of the work array counts
+        self.instance._prepared = self.instance.reals.tobytes()
         self.instance.d.work_buffer[0] = 0.0
 
     def moved(self):
