@@ -272,6 +272,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
     }
     for (size_t i = 0; i < nvr; i++)
         c->u[order[i]*r->n_u + vr[i]] = value[i];
+
+    // the speed of a commanded motion may be a derivative of its position
+    c->current = false;
     return fmi2OK;
 }
 

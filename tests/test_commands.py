@@ -620,3 +620,41 @@ def test_a_commanded_joint_in_a_loop(formulation):
 
         if k > 5:
             assert run.get("rail.speed") == pytest.approx((course[k + 1] - course[k]) / 0.05, abs=0.05)
+
+
+@pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
+@pytest.mark.parametrize("told", [["angle"], ["angle", "speed"]])
+def test_loops_are_where_the_commands_are(formulation, told):
+    """At every communication point, also after a jump, outputs tell a closed four-bar at the commanded angle.
+
+    The run goes on from where it was: reading changes nothing.
+    """
+
+    def bar(length):
+        return {"mass": 1.0, "inertia": [0.1] * 3, "marker": {"end": {"position": [length, 0, 0], "output": ["position", "velocity"]}}}
+
+    hinge = {"revolute": {"axis": "y"}}
+    scene = mbdfmi.Scene(
+        name="bars", solver={"formulation": formulation, "tolerance": 1e-10}, output=["constraint_gap", "constraint_rate"],
+        ground={"marker": {"far": {"position": [2, 0, 0]}}}, body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.0)},
+        joint={
+            "crank": hinge | {"between": ["ground", "a"], "output": ["angle", "speed"], "driver": {"input": told}},
+            "knee": hinge | {"between": ["a.end", "b"]},
+            "elbow": hinge | {"between": ["b.end", "c"]},
+            "rocker": hinge | {"between": ["c.end", "ground.far"], "start": {"angle_deg": -60}},
+        },
+    )
+    run, quiet = Run(scene), Run(scene)
+
+    for angle in (0.0, 0.02, 0.05, 0.06, 0.2, 0.21, 0.21):
+        commands = {"crank.angle_command": angle} | ({"crank.speed_command": 0.3} if len(told) > 1 else {})
+        run.set(commands), quiet.set(commands)
+        assert run.get("crank.angle") == pytest.approx(angle, abs=1e-14)
+        assert run.get("constraint_gap") < 1e-12 and run.get("constraint_rate") < 1e-11
+        knee, elbow = run.get("a.end.position"), run.get("b.end.position")
+        np.testing.assert_allclose(knee, [0.5 * np.cos(angle), 0, -0.5 * np.sin(angle)], atol=1e-14)
+        assert np.linalg.norm(elbow - knee) == pytest.approx(2.0, abs=1e-12)
+        assert np.linalg.norm(elbow - [2, 0, 0]) == pytest.approx(1.0, abs=1e-12)
+        assert run.get("b.end.velocity") @ (elbow - [2, 0, 0]) == pytest.approx(0.0, abs=1e-10)
+        run.step(0.1), quiet.step(0.1)
+        np.testing.assert_array_equal(run.instance.d.x, quiet.instance.d.x)

@@ -379,3 +379,15 @@ def test_loops_are_allowed():
     ends = [("ground", "a"), ("a", "b"), ("b", "ground")]
     joints = {f"j{i}": {"revolute": {}, "between": list(e)} for i, e in enumerate(ends)}
     assert len(scene_of(body=bodies, joint=joints).joint) == 3
+
+
+def test_written_scenes_keep_the_order_of_markers():
+    """One that is too long for a line comes as a table, and those after it too: variables are in the order of the file."""
+    long = {"position": [1 / 3, 2 / 3, 1 / 7], "euler_parameters": [0.5, 0.5, 0.5, 0.5], "output": ["position", "velocity", "omega"]}
+    markers = {"c": {"output": ["position"]}, "b": long, "a": {"output": ["omega"]}, "e": {}, "d": long}
+    scene = scene_of(
+        body={"body": {"mass": 1, "inertia": [1, 1, 1], "marker": markers}},
+        joint={"j": {"free": {}, "between": ["ground", "body"]}},
+    )
+    again = Scene.model_validate(tomllib.loads(scene.to_toml()))
+    assert again == scene and list(again.body["body"].marker) == list("cbaed")

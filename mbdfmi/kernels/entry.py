@@ -17,6 +17,7 @@ from . import (
     joints,
     notes,
     outputs,
+    project,
     rates,
     reactions,
     rows,
@@ -95,6 +96,14 @@ def compute_outputs(m, d, y):
     rates.set_time(m, d, 0.0)
     commands.plan(m, d, 0.0)
     drives.prescribe(m, d)
+    follows = m.n_command > 0 and m.n_row > 0
+
+    if follows:
+        for k in range(m.n_x):
+            d.x_own[k] = d.x[k]
+
+        project.follow_commands(m, d)
+
     tree.kinematics(m, d)
 
     if (needs & (outputs.NEED_INERTIAS | outputs.NEED_ACCELERATIONS)) != 0:
@@ -110,6 +119,10 @@ def compute_outputs(m, d, y):
         reactions.find_joint_wrenches(m, d)
 
     outputs.write_outputs(m, d, y)
+
+    if follows:
+        for k in range(m.n_x):
+            d.x[k] = d.x_own[k]
 
     n_place = m.n_body + 2 * m.n_constraint + m.n_told + m.n_stop
 

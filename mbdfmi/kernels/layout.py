@@ -400,6 +400,7 @@ ARRAYS = (
     # work: steppers
     Row("evaluation_limit", "work", 1, 1, "evaluations since the start at which the communication step has cost too much"),
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
+    Row("x_own", "work", 1, "n_x", "x of the run, while outputs see loops where commands put them"),
     Row("x_scale", "work", 1, "n_x", "error weights"),
     Row("stage", "work", N_STAGE, "n_x", "rates of the stages, right-hand sides of the implicit methods"),
     Row("lu_real", "work", 1, "n_jacobian", "factors of the real Newton matrix (linear.py)"),

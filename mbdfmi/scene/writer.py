@@ -45,10 +45,11 @@ def _write_table(lines, path, table):
         else:
             entries = {(key,): value}
 
+        # parts keep their order: those after one that is too long for a line come below too
+        under = isinstance(value, dict) and not path
         for keys, item in entries.items():
-            top = isinstance(item, dict) and not path
-            long = isinstance(item, dict) and item and len(_line(keys, item)) > WIDTH
-            (below if top or long else inline)[keys] = item
+            under = under or (isinstance(item, dict) and bool(item) and len(_line(keys, item)) > WIDTH)
+            (below if under else inline)[keys] = item
 
     if path and (inline or not below):
         lines += ["", "[" + ".".join(map(key_text, path)) + "]"]
