@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from fmu_host import DISCARD, ERROR, OK, Instance, Library
 
-from mbdfmi import simulate
+from mbdfmi import Scene, simulate
 from mbdfmi.export import export_fmu
 from mbdfmi.kernels.status import MESSAGES
 from mbdfmi.model import compile_scene

@@ -293,8 +293,11 @@ def follow_commands(m, d):
     """
     failure = project_positions(m, d, m.closing_tolerance[0])
 
+    # the commands may have gone far: a factor of these positions
     if failure == OK:
-        factor_for_velocities(m, d)
+        failure = dynamics.factor_rows_here(m, d, False)
+
+    if failure == OK:
         project_velocities(m, d)
 
     if failure != OK or not is_finite(d, m.n_x):
