@@ -87,13 +87,13 @@ class Reference:
 
 
 def groups(names):
-    """Name without index -> columns of its components."""
+    """Name without index -> columns of its components; without those that a joint and a body of one name share."""
     found = {}
 
     for k, name in enumerate(names):
         found.setdefault(re.sub(r"\[[\d,]+\]$", "", name), []).append(k)
 
-    return found
+    return {name: columns for name, columns in found.items() if len({names[k] == name for k in columns}) == 1}
 
 
 def difference(group, a, b):
@@ -109,20 +109,21 @@ def difference(group, a, b):
     return apart.max(axis=1)
 
 
-def near(reference, run, count, halved=None, twin=None):
+def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0):
     """Findings where a run is off the reference by more than its tolerance allows.
 
-    halved : of a fixed step, the same way with half and with a quarter of it. twin : a run of the same way, which it may be off by no more than
-    rounding, grown as errors grow.
+    halved : of a fixed step, the same way with half and with a quarter of it. twin : a run of the same way, which it may be off by no
+    more than rounding, grown as errors grow. until : s, up to which they are compared. safety : times as much as else is allowed.
     """
     if not run.values:
         return []
 
     theirs, ours = reference.rows(run)
     steps = run.steps or STEPS_UNKNOWN * reference.intervals
-    safety = SAFETY + OF_A_STEP * steps / reference.intervals
+    safety = safety * (SAFETY + OF_A_STEP * steps / reference.intervals)
     n = len(twin.values) if twin else len(run.values)
-    theirs, ours = theirs[theirs < n], ours[theirs < n]
+    seen = (theirs < n) & (reference.times[ours] < until)
+    theirs, ours = theirs[seen], ours[seen]
     tolerance = ULPS if twin else reference.start + TIGHT + (0.0 if run.way.step else run.way.tolerance)
     values, at = np.array(run.values), {name: k for k, name in enumerate(run.names)}
     beyond, worst = 0.0, None

@@ -236,13 +236,17 @@ def mass_and_gravity(scene, plan):
 
 
 def jumps(data):
-    """s, when tables of positions may make speeds jump, which no integral sees: at their ends, and everywhere where they are straight."""
+    """s, when tables of positions may make speeds jump, which no integral sees: everywhere where they are straight, and at their ends
+    but where they stand still there.
+    """
     tables = [joint.get("driver", {}).get("table") for joint in data.get("joint", {}).values()]
     tables.append(data.get("ground", {}).get("motion", {}).get("table"))
     found = set()
 
     for table in filter(None, tables):
         time = table["time"]
-        found |= set(time if table.get("interpolation") == "linear" else (time[0], time[-1]))
+        rows = [value for key, value in table.items() if key not in ("time", "interpolation")]
+        ends = [time[k] for k, next_one in ((0, 1), (-1, -2)) if any(row[k] != row[next_one] for row in rows)]
+        found |= set(time if table.get("interpolation") == "linear" else ends)
 
     return found

@@ -55,6 +55,11 @@ def kept(data, run):
     return found
 
 
+def moved(run):
+    """Start values that were not kept, as they are told."""
+    return {text.partition(" at the start ")[0] for text in run.notices if " at the start " in text}
+
+
 def names(text, joint):
     """Whether a notice names a joint."""
     return re.search(rf"(?<!\w){re.escape(joint)}(?!\w)", text) is not None or fmi_name(joint) in text

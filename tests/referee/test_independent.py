@@ -11,6 +11,7 @@ from scenes import random_scene
 from mbdfmi import Scene
 from mbdfmi.model import compile_scene
 from mbdfmi.simulate import Instance
+
 from .independent import System
 from .kinds import FAMILIES, arm
 from .telling import all_told

@@ -9,7 +9,15 @@ import numpy as np
 from scipy.linalg import null_space
 
 from . import shapes
-from .frames import HERE, about, axis, orientation, plane_axes, unit, written_orientation
+from .frames import (
+    HERE,
+    about,
+    axis,
+    orientation,
+    plane_axes,
+    unit,
+    written_orientation,
+)
 
 TREE = {
     "revolute": 1, "prismatic": 1, "screw": 1, "cylindrical": 2, "universal": 2, "planar": 3, "spherical": 3,
