@@ -287,3 +287,18 @@ def test_vectors_written_in_part_are_looked_at(kind, start, notice):
     found = [text for text in scene.notices if text.startswith("[joint.j]")]
     assert len(found) == (notice is not None) and all(text.startswith(notice) for text in found)
     assert Instance(compile_scene(scene)).notices[: len(scene.notices)] == scene.notices
+
+
+@pytest.mark.parametrize(
+    "time, position, told",
+    [([0, 1, 2], [0, 1, 0], False), ([0.5, 1, 2], [0, 1, 0], True), ([0.5, 1, 2], [0.2, 0.2, 0], False), ([-1, 1, 2], [0, 1, 0], False)],
+)
+def test_a_table_that_begins_to_move_at_once_is_noticed(time, position, told):
+    """Of a joint, and of the ground."""
+    scenes = [pendulum(joint={"driver": {"table": {"time": time, "position": position}}})]
+    rows = [[x, 0, 0] for x in position]
+    scenes.append(pendulum(ground={"motion": {"table": {"time": time, "position": rows}}}))
+
+    for scene, place in zip(scenes, ("[joint.j] driver", "[ground] motion")):
+        found = [text for text in scene.notices if "the speed jumps" in text]
+        assert len(found) == told and all(text.startswith(f"{place}.table.time: stands still until its first point, 0.5 s") for text in found)

@@ -104,19 +104,30 @@ def idle_spins(scene):
 
 
 def jumping_speeds(scene):
-    """Positions over time that are read by straight lines."""
-    text = (
-        "straight lines let the speed jump at each point: what hangs on it by joints gets no impulse then; "
-        'interpolation = "smooth", or a speed_table, has none of that'
-    )
+    """Positions over time that are read by straight lines, or that begin to move at once after the start."""
     motion = scene.ground.motion
+    tables = [(("ground", "motion", "table"), motion.table)] if motion and motion.kind == "table" else []
+    tables += [
+        (("joint", name, "driver", "table"), joint.driver.table)
+        for name, joint in scene.joint.items()
+        if joint.driver and joint.driver.kind == "table"
+    ]
 
-    if motion and motion.kind == "table" and motion.table.interpolation == "linear":
-        yield Problem(("ground", "motion", "table", "interpolation"), text)
+    for path, table in tables:
+        time, *rows = table.points()
 
-    for name, joint in scene.joint.items():
-        if joint.driver and joint.driver.kind == "table" and joint.driver.table.interpolation == "linear":
-            yield Problem(("joint", name, "driver", "table", "interpolation"), text)
+        if table.interpolation == "linear":
+            text = (
+                "straight lines let the speed jump at each point: what hangs on it by joints gets no impulse then; "
+                'interpolation = "smooth", or a speed_table, has none of that'
+            )
+            yield Problem((*path, "interpolation"), text)
+        elif time[0] > 0.0 and any(np.any(row[0] != row[1]) for row in rows):
+            text = (
+                f"stands still until its first point, {show(float(time[0]))} s, and moves from there on: the speed jumps, and what "
+                "hangs on it by joints gets no impulse then; begin at the start of the run, or with two equal points"
+            )
+            yield Problem((*path, "time"), text)
 
 
 RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins, jumping_speeds)
