@@ -29,7 +29,7 @@ LOOSE = 0.1
 # order of steppers with a fixed step: half of it and a quarter differ by about the error over two to that power; so many times that may
 # the error be
 ORDERS = {"rk4": 4, "ros2": 2, "gauss": 8}
-HALVING = 8.0
+HALVING = 20.0
 
 # told of the work done, by formulations in their own way, or bounded by a law of its own
 APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
