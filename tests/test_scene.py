@@ -172,6 +172,21 @@ def test_linear_force_matrices():
     assert_allclose(force.linear.damping_matrix(), np.zeros((6, 6)))
 
 
+@pytest.mark.parametrize("first, second", [(0.9945, 1.004), (1.004, 0.9945)])
+def test_an_added_mass_is_judged_by_its_mean_with_its_transpose(first, second):
+    """As it is used: which of two values measured a little differently stands where makes nothing of it."""
+    mass = np.eye(6)
+    mass[0, 1], mass[1, 0] = first, second
+    force = {"linear": {"added_mass": mass.tolist()}, "between": ["ground", "a"]}
+    assert scene_of(force={"f": force}).force["f"].linear.added_mass_matrix()[0, 1] == (first + second) / 2
+
+    mass[:2, :2] += [[0, 0.002], [0.002, 0]]
+    force["linear"]["added_mass"] = mass.tolist()
+
+    with pytest.raises(SceneError, match="is not positive semidefinite"):
+        scene_of(force={"f": force})
+
+
 def test_spring_damper_defaults(arm):
     options = arm.force["strut"].spring_damper
     assert (options.stiffness, options.damping, options.rest_length) == (100, 1, None)

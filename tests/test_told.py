@@ -91,12 +91,21 @@ def test_a_body_far_longer_than_others_is_noticed(sizes, odd):
     assert all("in m, not mm" in notice for notice in notices)
 
 
-def test_solids_in_other_units_are_noticed():
-    solids = [{"box": {"size": [500, 20, 20], "mass": 1}}, {"cylinder": {"radius": 0.01, "length": 0.5, "mass": 1}}]
+@pytest.mark.parametrize(
+    "solid, reach",
+    [
+        ({"box": {"size": [20, 500, 20]}}, 500), ({"cylinder": {"radius": 20, "length": 500}}, 500),
+        ({"cylinder": {"radius": 500, "length": 20}}, 1000), ({"sphere": {"radius": 500}}, 1000),
+    ],
+)  # fmt: skip
+def test_solids_in_other_units_are_noticed(solid, reach):
+    """By the longest of length, sizes and diameter."""
+    ((shape, sizes),) = solid.items()
+    solids = [{shape: sizes | {"mass": 1}}, {"cylinder": {"radius": 0.01, "length": 0.5, "mass": 1}}]
     body = {name: {"solid": solid} for name, solid in zip("ab", solids)}
     joint = {name: {"revolute": {}, "between": ["ground", name]} for name in "ab"}
     (notice,) = Scene(name="c", body=body, joint=joint).notices
-    assert notice.startswith("[body.a] reaches 500 m")
+    assert notice.startswith(f"[body.a] reaches {reach} m, other bodies 0.5 m at most")
 
 
 # tolerance
