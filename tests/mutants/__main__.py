@@ -151,7 +151,7 @@ def report(console, mutants, verdicts, times):
 
     with Copy() as copy:
         if wrong := copy.fails_unbroken(killers, times):
-            console.print(f"[red]{wrong.by} fails on the package as it is: what it caught does not count")
+            console.print(f"[red]{wrong.by}, on the package as it is: {wrong.outcome}. What it caught does not count")
             return 1
 
     counted = [mutant for mutant in mutants if verdicts[name_of(mutant)].outcome != EQUAL]

@@ -27,8 +27,8 @@ FORK = multiprocessing.get_context("fork")
 BATCHES = (3.0, 40.0)
 """s of tests (timed with every line watched) in each run of pytest: a short one, and one for what passes that."""
 
-LONGEST = 600.0
-"""s that the referee, or whole files of tests, may take."""
+LONGEST, THOROUGHLY = 600.0, 300.0
+"""s that the referee, or the tests of an undone mending, may take; and whole files of tests against a mutant."""
 
 THOROUGH = {
     "assembly holding notes starts start": "starts loops",
@@ -46,6 +46,7 @@ THOROUGH = {
 """Tests (tests/test_...) that are run whole where the quick ones notice nothing, by names of the files of mutants."""
 
 CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
+UNFINISHED = "not noticed in the time that whole files of tests have"
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,8 @@ class Copy:
         if run.is_alive():
             run.kill()
             run.join()
-            return Verdict(BY_TIME, "the whole run", seconds)
+            # only tests that were timed before are known to end sooner
+            return Verdict(BY_TIME if "MUTANTS_CHOSEN" in variables else UNFINISHED, "the whole run", seconds)
 
         if run.exitcode == 0:
             return None
@@ -195,7 +197,7 @@ def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float], tho
 
         named = {name for files, names in THOROUGH.items() if Path(mutant.file).stem in files.split() for name in names.split()}
 
-        if thorough and named and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], LONGEST)):
+        if thorough and named and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], THOROUGHLY)):
             return found
     finally:
         copy.write(mutant.file, mutant.source)
