@@ -28,7 +28,9 @@ def main():
     parser.add_argument("--scene", type=int, default=10, metavar="N")
     parser.add_argument("--only", metavar="TEXT", help="those that have this in their names")
     parser.add_argument("--list", action="store_true", help="list the mutants, run nothing")
-    parser.add_argument("--resume", type=Path, metavar="FILE", help="keep what came of each mutant there, and go on from it")
+    parser.add_argument(
+        "--resume", type=Path, metavar="FILE", help="keep what came of each mutant there, and go on from it"
+    )
     parser.add_argument("--again", action="store_true", help="with --resume: try the survivors again")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--undone", choices=("referee", "tests"), nargs="?", const="referee",
@@ -75,7 +77,9 @@ def main():
             for mutant, verdict in zip(mutants, pool.map(judge, mutants)):
                 verdicts[name_of(mutant)] = verdict
                 keep(options.resume, verdicts)
-                console.print(f"{name_of(mutant)}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s")
+                console.print(
+                    f"{name_of(mutant)}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s"
+                )
         finally:
             for copy in opened:
                 copy.__exit__()
@@ -125,12 +129,15 @@ def keep(file, verdicts):
 
 def show(console, mutant):
     """A mutant in three lines."""
-    console.print(f"[bold]{name_of(mutant)}[/] mbdfmi/{mutant.file}:{mutant.line} {mutant.kind}", highlight=False)
+    console.print(
+        f"[bold]{name_of(mutant)}[/] mbdfmi/{mutant.file}:{mutant.line} {mutant.kind}", highlight=False
+    )
     console.print(f"    - {mutant.before}\n    + {mutant.after}", markup=False, highlight=False)
 
 
 def report(console, mutants, verdicts, times):
-    """Survivors, figures, and whether the tests that caught mutants pass without them; 1 where less than 95 % are caught."""
+    """Survivors, figures, and whether the tests that caught mutants pass without them;
+    1 where less than 95 % are caught."""
     left = [mutant for mutant in mutants if verdicts[name_of(mutant)].outcome not in (CAUGHT, BY_TIME, EQUAL)]
     console.rule("survivors")
 
@@ -151,7 +158,9 @@ def report(console, mutants, verdicts, times):
 
     with Copy() as copy:
         if wrong := copy.fails_unbroken(killers, times):
-            console.print(f"[red]{wrong.by}, on the package as it is: {wrong.outcome}. What it caught does not count")
+            console.print(
+                f"[red]{wrong.by}, on the package as it is: {wrong.outcome}. What it caught does not count"
+            )
             return 1
 
     counted = [mutant for mutant in mutants if verdicts[name_of(mutant)].outcome != EQUAL]

@@ -1,6 +1,7 @@
 """The mutants of a seed: as many of each part of the package as asked, of all kinds in turn.
 
-A mutant's lot is a hash of the seed and of what it changes, so a change of the package elsewhere draws the others again.
+A mutant's lot is a hash of the seed and of what it changes,
+so a change of the package elsewhere draws the others again.
 """
 
 import hashlib
@@ -9,7 +10,9 @@ from itertools import count
 from .operators import Mutant, changes, defaults_of, mutants_of
 from .reach import sources
 
-UNTOUCHED = ("kernels/language.py", "kernels/layout.py", "kernels/status.py", "scene/errors.py", "scene/messages.py")
+UNTOUCHED = (
+    "kernels/language.py", "kernels/layout.py", "kernels/status.py", "scene/errors.py", "scene/messages.py",
+)  # fmt: skip
 """What compiles the kernels, names of arrays, and texts of messages."""
 
 

@@ -1,4 +1,5 @@
-"""Runs the tests that reach a mutant against it, in a private copy of the package, until one of them fails."""
+"""Runs the tests that reach a mutant against it, in a private copy of the package,
+until one of them fails."""
 
 import importlib
 import json
@@ -25,10 +26,12 @@ for module in ("numba.core", "scipy.integrate", "scipy.interpolate", "scipy.opti
 FORK = multiprocessing.get_context("fork")
 
 BATCHES = (3.0, 40.0)
-"""s of tests (timed with every line watched) in each run of pytest: a short one, and one for what passes that."""
+"""s of tests (timed with every line watched) in each run of pytest: a short one,
+and one for what passes that."""
 
 LONGEST, THOROUGHLY = 600.0, 300.0
-"""s that the referee, or the tests of an undone mending, may take; and whole files of tests against a mutant."""
+"""s that the referee, or the tests of an undone mending, may take;
+and whole files of tests against a mutant."""
 
 THOROUGH = {
     "assembly holding notes starts start": "starts loops",
@@ -43,7 +46,8 @@ THOROUGH = {
     "notices light_parts": "told notices light_parts",
     "builder joints absolute": "structure starts inverse_joints",
 }
-"""Tests (tests/test_...) that are run whole where the quick ones notice nothing, by names of the files of mutants."""
+"""Tests (tests/test_...) that are run whole where the quick ones notice nothing,
+by names of the files of mutants."""
 
 CAUGHT, BY_TIME, SURVIVED, UNREACHED = "caught", "caught by time", "survived", "reached by no quick test"
 UNFINISHED = "not noticed in the time that whole files of tests have"
@@ -85,10 +89,13 @@ class Copy:
         chosen = self.root / "chosen.json"
         chosen.write_text(json.dumps({test: 5.0 + 5.0 * times[test] for test in tests}))
         files = sorted({test.partition("::")[0] for test in tests})
-        return self.failure_of(files, 60.0 + 6.0 * sum(times[test] for test in tests), MUTANTS_CHOSEN=str(chosen))
+        return self.failure_of(
+            files, 60.0 + 6.0 * sum(times[test] for test in tests), MUTANTS_CHOSEN=str(chosen)
+        )
 
     def fails_unbroken(self, tests: set[str], times: dict[str, float]) -> Verdict | None:
-        """The first of these tests that fails on the package as it is; of those without a time in as long as a whole file."""
+        """The first of these tests that fails on the package as it is;
+        of those without a time in as long as a whole file."""
         quick = sorted(tests & times.keys())
         others = sorted(test for test in tests - times.keys() if "::" in test)
         wrong = self.first_failure(quick, times) if quick else None
@@ -157,7 +164,8 @@ def reaching(mutant: Mutant, by_line: dict, times: dict[str, float]) -> list[str
 
 
 def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[str, float]) -> Verdict:
-    """What comes of an undone mending: by the referee, or by the tests that it names, the quick ones first."""
+    """What comes of an undone mending: by the referee, or by the tests that it names,
+    the quick ones first."""
     mutant = undone.mutant()
     files = undone.tests.split()
     some = [test for test in reaching(mutant, by_line, times) if test.partition("::")[0] in files]
@@ -195,9 +203,18 @@ def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float], tho
             if batch and (found := copy.first_failure(batch, times)):
                 return found
 
-        named = {name for files, names in THOROUGH.items() if Path(mutant.file).stem in files.split() for name in names.split()}
+        named = {
+            name
+            for files, names in THOROUGH.items()
+            if Path(mutant.file).stem in files.split()
+            for name in names.split()
+        }
 
-        if thorough and named and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], THOROUGHLY)):
+        if (
+            thorough
+            and named
+            and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], THOROUGHLY))
+        ):
             return found
     finally:
         copy.write(mutant.file, mutant.source)

@@ -1,7 +1,9 @@
-"""What may be broken in a line: small changes of one node of the syntax tree, each by an operator of one kind.
+"""What may be broken in a line: small changes of one node of the syntax tree,
+each by an operator of one kind.
 
-Names and strings go by twins: pairs that stand for the same kind of thing, one of which is easily written for the other.
-Left alone: docstrings, annotations, and what a message says (inside `raise` and in strings with values).
+Names and strings go by twins: pairs that stand for the same kind of thing, one of which is easily written for
+the other. Left alone: docstrings, annotations, and what a message says (inside `raise` and in strings with
+values).
 """
 
 import ast
@@ -21,7 +23,8 @@ class Mutant:
     end: int
     text: str
     reached_by: tuple[int, int]
-    """First and last line of the statement, whose running reaches the place; (0, 0): importing the file does."""
+    """First and last line of the statement, whose running reaches the place; (0, 0):
+    importing the file does."""
     source: str
 
     def mutated(self) -> str:
@@ -57,8 +60,13 @@ TWINS = [
 ]  # fmt: skip
 
 TRANSPOSED = {"mat_vec": "matT_vec", "matT_vec": "mat_vec"}
-SIGNED = {"add": "sub", "sub": "add", "mat_add": "mat_sub", "mat_sub": "mat_add", "sym_add": "sym_sub", "sym_sub": "sym_add"}
-ORDERED = {"cross", "sub", "mat_mat", "E_product", "mat_sub", "sym_sub", "outer", "atan2", "arctan2", "where", "dot"}
+SIGNED = {
+    "add": "sub", "sub": "add", "mat_add": "mat_sub", "mat_sub": "mat_add", "sym_add": "sym_sub", "sym_sub":
+    "sym_add",
+}  # fmt: skip
+ORDERED = {
+    "cross", "sub", "mat_mat", "E_product", "mat_sub", "sym_sub", "outer", "atan2", "arctan2", "where", "dot",
+}  # fmt: skip
 """Functions of two arguments of one type whose order counts (`dot` only of matrices, in numpy)."""
 
 OPPOSITE = {
@@ -104,7 +112,11 @@ class _Places(ast.NodeVisitor):
     def operand(self, node):
         """Text of a node that may stand anywhere: the tree knows no parentheses."""
         text = self.text(node)
-        return f"({text})" if isinstance(node, ast.BinOp | ast.UnaryOp | ast.BoolOp | ast.Compare | ast.IfExp) else text
+        return (
+            f"({text})"
+            if isinstance(node, ast.BinOp | ast.UnaryOp | ast.BoolOp | ast.Compare | ast.IfExp)
+            else text
+        )
 
     def add(self, kind, node, text, at=None):
         start, end = at or self.at(node)
@@ -112,7 +124,11 @@ class _Places(ast.NodeVisitor):
 
         if self.functions:
             # of a statement with a body only its head
-            last = self.statement.body[0].lineno - 1 if hasattr(self.statement, "body") else self.statement.end_lineno
+            last = (
+                self.statement.body[0].lineno - 1
+                if hasattr(self.statement, "body")
+                else self.statement.end_lineno
+            )
             reached = self.statement.lineno, max(last, self.statement.lineno)
 
         where = ".".join(self.functions) or "(module)"
@@ -151,7 +167,11 @@ class _Places(ast.NodeVisitor):
                 self.visit(child)
 
     def _body(self, statements):
-        if statements and isinstance(statements[0], ast.Expr) and isinstance(statements[0].value, ast.Constant):
+        if (
+            statements
+            and isinstance(statements[0], ast.Expr)
+            and isinstance(statements[0].value, ast.Constant)
+        ):
             statements = statements[1:]
 
         for statement in statements:
@@ -200,7 +220,11 @@ class _Places(ast.NodeVisitor):
 
     @staticmethod
     def _factor(node):
-        return isinstance(node, ast.Constant) and isinstance(node.value, int | float) and node.value not in (0, 1)
+        return (
+            isinstance(node, ast.Constant)
+            and isinstance(node.value, int | float)
+            and node.value not in (0, 1)
+        )
 
     def visit_UnaryOp(self, node):
         if isinstance(node.op, ast.USub) and not isinstance(node.operand, ast.Constant):
@@ -228,7 +252,9 @@ class _Places(ast.NodeVisitor):
         self.generic_visit(node)
 
     def visit_Subscript(self, node):
-        if isinstance(node.value, ast.Name) and node.value.id in ("Annotated", "dict", "list", "Literal", "ClassVar"):
+        if isinstance(node.value, ast.Name) and node.value.id in (
+            "Annotated", "dict", "list", "Literal", "ClassVar",
+        ):  # fmt: skip
             return
 
         index = node.slice
@@ -241,7 +267,12 @@ class _Places(ast.NodeVisitor):
             elif isinstance(entry, ast.BinOp) and isinstance(entry.right, ast.Constant):
                 self.add("index", entry, self.text(entry.left))
 
-            elif isinstance(entry, ast.Name) and len(entry.id) == 1 and len(entries) == 1 and "kernels" in self.file:
+            elif (
+                isinstance(entry, ast.Name)
+                and len(entry.id) == 1
+                and len(entries) == 1
+                and "kernels" in self.file
+            ):
                 self.add("index", entry, f"{entry.id} + 1")
 
             elif isinstance(entry, ast.Slice):
@@ -308,7 +339,9 @@ class _Places(ast.NodeVisitor):
         for one, other in pairwise(node.args):
             names = [part.id if isinstance(part, ast.Name) else "" for part in (one, other)]
             alike = names[1] in _twins_of(names[0]) if all(names) else False
-            ordered = name in ORDERED and len(node.args) == 2 and not (name == "dot" and "kernels" in self.file)
+            ordered = (
+                name in ORDERED and len(node.args) == 2 and not (name == "dot" and "kernels" in self.file)
+            )
 
             if (alike and name not in ("dot", "add", "range", "zip", "min", "max")) or ordered:
                 between = self.source[self.at(one)[1] : self.at(other)[0]]
@@ -339,7 +372,11 @@ class _Places(ast.NodeVisitor):
             if node.attr == "T":
                 self.add("transposed", node, self.text(node.value))
 
-            elif node.attr in self.defaults.keys and "kernels" not in self.file and isinstance(node.value, ast.Name):
+            elif (
+                node.attr in self.defaults.keys
+                and "kernels" not in self.file
+                and isinstance(node.value, ast.Name)
+            ):
                 self.add("key ignored", node, self.defaults.keys[node.attr])
 
             for twin in _twins_of(node.attr):
@@ -377,7 +414,8 @@ class _Places(ast.NodeVisitor):
 
 @dataclass
 class Defaults:
-    """keys : of the schema, with the text of a plain default. keywords : (function, keyword) that have one."""
+    """keys : of the schema, with the text of a plain default. keywords :
+    (function, keyword) that have one."""
 
     keys: dict[str, str]
     keywords: set[tuple[str, str]]
@@ -396,7 +434,11 @@ def defaults_of(sources: dict[str, str]) -> Defaults:
 
             if isinstance(node, ast.ClassDef):
                 for line in node.body:
-                    if isinstance(line, ast.AnnAssign) and line.value is not None and not isinstance(line.value, ast.Call):
+                    if (
+                        isinstance(line, ast.AnnAssign)
+                        and line.value is not None
+                        and not isinstance(line.value, ast.Call)
+                    ):
                         key, text = line.target.id, ast.unparse(line.value)
                         clash |= {key} if keys.setdefault(key, text) != text else set()
 

@@ -1,7 +1,8 @@
-"""Which quick tests reach which lines of the package: measured once for each test file and kept in the user's cache.
+"""Which quick tests reach which lines of the package:
+measured once for each test file and kept in the user's cache.
 
-Also a plugin of pytest: it times every test, stops those that take longer than a limit, and, while lines are measured,
-writes down the lines that each test runs.
+Also a plugin of pytest: it times every test, stops those that take longer than a limit, and,
+while lines are measured, writes down the lines that each test runs.
 """
 
 import hashlib
@@ -31,7 +32,10 @@ QUICK = 2.0
 SETS = 5
 """Sets of parameters of one test, and random examples of one, that are run."""
 
-APART = ("fmu", "export", "cosim", "same_bytes", "speed_against", "long_run", "cli", "benchmarks", "evaluation_cost", "docs")
+APART = (
+    "fmu", "export", "cosim", "same_bytes", "speed_against", "long_run", "cli", "benchmarks",
+    "evaluation_cost", "docs",
+)  # fmt: skip
 """In names of test files that need a compiled library, other packages, or an idle machine."""
 
 
@@ -43,7 +47,11 @@ def test_files():
 
 def environment(root, **more):
     """Environment of a process that runs the tests of the copy at `root` on interpreted kernels."""
-    return os.environ | {"MBDFMI_INTERPRETED": "1", "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1"} | more
+    return (
+        os.environ
+        | {"MBDFMI_INTERPRETED": "1", "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1"}
+        | more
+    )
 
 
 def cache_folder():
@@ -62,7 +70,8 @@ def _hash(text):
 
 
 def measured(test_file, anew=False):
-    """({test: {"time": s, "passed": bool, "lines": {file: [lines]}}} of a test file, the sources that it was measured on).
+    """({test: {"time": s, "passed": bool, "lines": {file: [lines]}}} of a test file, the sources that it was
+    measured on).
 
     From the cache, be it of other sources than those now, or measured now.
     """
@@ -93,12 +102,15 @@ def _sources_at(folder):
 @cache
 def _moved(before, after):
     """{line: line} of those that two texts share."""
-    blocks = SequenceMatcher(None, before.split("\n"), after.split("\n"), autojunk=False).get_matching_blocks()
+    blocks = SequenceMatcher(
+        None, before.split("\n"), after.split("\n"), autojunk=False
+    ).get_matching_blocks()
     return {i + k + 1: j + k + 1 for i, j, size in blocks for k in range(size)}
 
 
 def tests_by_line(progress=lambda name: None):
-    """({(file, line): [tests]}, {test: s}) of all quick tests that pass; files relative to the package's root."""
+    """({(file, line): [tests]}, {test: s}) of all quick tests that pass;
+    files relative to the package's root."""
     reaching, times = {}, {}
     now = sources()
 
@@ -124,8 +136,8 @@ class TooSlow(BaseException):
 
 
 class Watch:
-    """The plugin. chosen : {test: s that it may take}, run in this order; without it, a few of each test are run and the lines
-    that they reach are watched. results : file for what came of each test.
+    """The plugin. chosen : {test: s that it may take}, run in this order; without it, a few of each test are
+    run and the lines that they reach are watched. results : file for what came of each test.
     """
 
     def __init__(self, results, chosen=None):
@@ -135,7 +147,9 @@ class Watch:
         self.slow = set()
 
         if not chosen:
-            self.lines = coverage.Coverage(data_file=None, include=[str(PACKAGE / part / "*") for part in PARTS])
+            self.lines = coverage.Coverage(
+                data_file=None, include=[str(PACKAGE / part / "*") for part in PARTS]
+            )
             self.lines.start()
 
     def pytest_collection_modifyitems(self, items):
@@ -151,14 +165,20 @@ class Watch:
         if self.chosen:
             items[:] = [by_name[test] for test in self.chosen if test in by_name]
         else:
-            few = lambda found: [found[k * (len(found) - 1) // (SETS - 1)] for k in range(SETS)] if len(found) > SETS else found
+            few = lambda found: (
+                [found[k * (len(found) - 1) // (SETS - 1)] for k in range(SETS)]
+                if len(found) > SETS
+                else found
+            )
             items[:] = [item for found in alike.values() for item in few(found)]
 
         for item in items:
             if used := getattr(item.obj, "_hypothesis_internal_use_settings", None):
                 number = min(SETS, used.max_examples)
                 phases = (Phase.explicit, Phase.generate)
-                item.obj._hypothesis_internal_use_settings = settings(used, max_examples=number, phases=phases)
+                item.obj._hypothesis_internal_use_settings = settings(
+                    used, max_examples=number, phases=phases
+                )
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item):

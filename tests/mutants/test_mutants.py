@@ -29,7 +29,11 @@ CASES = [
     ("transposed", "def f(A, u):\n    return A.T @ u", "return A @ u"),
     ("swapped arguments", "def f(u, v):\n    return al.cross(u, v)", "return al.cross(v, u)"),
     ("swapped names", "def f(omega, alpha):\n    return omega * 3", "return alpha * 3"),
-    ("swapped names", 'def f(found):\n    return found["omega"] if "alpha" in found else 0', 'return found["alpha"] if'),
+    (
+        "swapped names",
+        'def f(found):\n    return found["omega"] if "alpha" in found else 0',
+        'return found["alpha"] if',
+    ),
     ("key ignored", "def f(options):\n    return options.gain", "return 1.0"),
     ("key ignored", "def f(a, b):\n    return turned(a, b, shift=a)", "return turned(a, b)"),
     ("factor", "def f(a, c):\n    return 2.0 * (a + c)", "return (a + c)"),

@@ -1,9 +1,10 @@
-"""Mendings of silent faults, each undone by one replacement in the package: the referee has to notice every one.
+"""Mendings of silent faults, each undone by one replacement in the package:
+the referee has to notice every one.
 
-The numbers are those of the rules that hold since (docs/scene.md tells them): 1 what is read off between inner steps, 2 turns of
-angles, 3 starts, 4 loops that do not quite close, 5 what lies between two given numbers, 6 commanded motion, 7 no endless call, no
-silent NaN, 8 the same twice, 9 nothing refused without need, 10 what acts can be seen, 11 added mass of linear theory, 12 files,
-13 what is told.
+The numbers are those of the rules that hold since (docs/scene.md tells them): 1 what is read off between
+inner steps, 2 turns of angles, 3 starts, 4 loops that do not quite close, 5 what lies between two given
+numbers, 6 commanded motion, 7 no endless call, no silent NaN, 8 the same twice, 9 nothing refused without
+need, 10 what acts can be seen, 11 added mass of linear theory, 12 files, 13 what is told.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,8 @@ from .reach import PACKAGE
 
 @dataclass(frozen=True)
 class Undone:
-    """A mending undone: in `file` (of mbdfmi/) `before`, which is there once, becomes `after`. tests : some that notice it."""
+    """A mending undone: in `file` (of mbdfmi/) `before`, which is there once, becomes `after`. tests :
+    some that notice it."""
 
     rule: int
     name: str

@@ -73,8 +73,14 @@ def _parser():
     parser.add_argument("--no-interpreted", action="store_true", help="nothing with kernels as plain Python")
     parser.add_argument("--no-shrink", action="store_true", help="leave failing scenes as they are")
     parser.add_argument("--jobs", type=int, default=1, help="processes (1)")
-    parser.add_argument("--out", type=Path, default=Path("referee"), help="folder for failing scenes, made smaller (referee)")
-    parser.add_argument("--resume", type=Path, help="file of lines of JSON, one for each scene that was judged; those there are not done again")
+    parser.add_argument(
+        "--out", type=Path, default=Path("referee"), help="folder for failing scenes, made smaller (referee)"
+    )
+    parser.add_argument(
+        "--resume",
+        type=Path,
+        help="file of lines of JSON, one for each scene that was judged; those there are not done again",
+    )
     return parser
 
 
@@ -91,7 +97,8 @@ def _judged(seeds, options):
 
 
 def one(seed, options, interpreter=None):
-    """The verdict on a seed as a dict for JSON; where there are findings the scene is made smaller and written."""
+    """The verdict on a seed as a dict for JSON;
+    where there are findings the scene is made smaller and written."""
     if interpreter is None:
         with Interpreter() as own:
             return one(seed, options, own)
@@ -111,7 +118,9 @@ def one(seed, options, interpreter=None):
 
 
 def _verdict(data, seed, options, interpreter) -> Verdict:
-    return judge(data, seed, None if options.no_interpreted else interpreter, not options.no_fmu, options.ways)
+    return judge(
+        data, seed, None if options.no_interpreted else interpreter, not options.no_fmu, options.ways
+    )
 
 
 def _scene(seed, options):
@@ -128,7 +137,9 @@ def _write(data, seed, findings, options, interpreter):
     kind = findings[0].verdict
 
     def fails(smaller):
-        return any(finding.verdict == kind for finding in _verdict(smaller, seed, options, interpreter).findings)
+        return any(
+            finding.verdict == kind for finding in _verdict(smaller, seed, options, interpreter).findings
+        )
 
     smallest = data if options.no_shrink else shrink.shrink(data, fails, TRIES)
     options.out.mkdir(parents=True, exist_ok=True)
@@ -148,7 +159,9 @@ def _tell(line, options):
         value = getattr(options, name)
         again += [f"--{name}", str(value)] if value is not None else []
 
-    console.print(f"[bold]seed {line['seed']}[/]: {shlex.join(again)}\n  smaller: {line.get('file')}", highlight=False)
+    console.print(
+        f"[bold]seed {line['seed']}[/]: {shlex.join(again)}\n  smaller: {line.get('file')}", highlight=False
+    )
 
     for finding in line["findings"]:
         console.print(f"  {finding}", markup=False, highlight=False)
@@ -186,7 +199,10 @@ def _end(lines):
         f"{len(lines)} scenes in {seconds:.0f} s, {refused} refused; {made} comparisons, {loose} of them of motions too wild to compare; "
         + "; ".join(f"{name}: {n}" for name, n in sorted(other.items()) if n)
     )
-    console.print(f"{len(found)} scenes with findings" + (": seeds " + ", ".join(str(line["seed"]) for line in found) if found else ""))
+    console.print(
+        f"{len(found)} scenes with findings"
+        + (": seeds " + ", ".join(str(line["seed"]) for line in found) if found else "")
+    )
     return 1 if found else 0
 
 

@@ -1,8 +1,9 @@
 """Ways against each other: within what their tolerances allow, or to the bit.
 
-How far two ways may part is measured, not guessed: the reference is run again with its state kicked at every shared point by random
-changes as small as KICK. What comes of these at an output, from the start up to a time, over KICK, is how far an error of a step there
-may go (GROWTH below). Where that is beyond all use, as in chaotic motions, the comparison counts as loose.
+How far two ways may part is measured, not guessed: the reference is run again with its state kicked at every
+shared point by random changes as small as KICK. What comes of these at an output, from the start up to a
+time, over KICK, is how far an error of a step there may go (GROWTH below). Where that is beyond all use, as
+in chaotic motions, the comparison counts as loose.
 """
 
 import re
@@ -12,7 +13,8 @@ import numpy as np
 from .findings import Finding
 from .ways import ARRIVING, KICK, TIGHT
 
-# how much larger than a kick's what an error of the tolerance's size does may be, and the same for each step between two kicks
+# how much larger than a kick's what an error of the tolerance's size does may be, and the same for each step
+# between two kicks
 SAFETY = 60.0
 OF_A_STEP = 6.0
 STEPS_UNKNOWN = 40
@@ -26,8 +28,8 @@ ULPS = 1e-13
 # an output is not worth comparing where more than this part of the largest value of its unit is allowed
 LOOSE = 0.1
 
-# order of steppers with a fixed step: half of it and a quarter differ by about the error over two to that power; so many times that may
-# the error be
+# order of steppers with a fixed step: half of it and a quarter differ by about the error over two to that
+# power; so many times that may the error be
 ORDERS = {"rk4": 4, "ros2": 2, "gauss": 8}
 HALVING = 20.0
 
@@ -38,7 +40,8 @@ APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
 class Reference:
     """The reference and its kicked runs.
 
-    units : of outputs by name. ignored : groups of outputs that are not determined. start : how exact a start is, m and rad.
+    units : of outputs by name. ignored : groups of outputs that are not determined. start :
+    how exact a start is, m and rad.
     size : of a group, the largest value of all outputs of its unit, which rounding goes by.
     """
 
@@ -47,7 +50,9 @@ class Reference:
         self.run = run
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
-        self.groups = {g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in ignored}
+        self.groups = {
+            g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in ignored
+        }
         of_unit = {}
 
         for columns in self.groups.values():
@@ -61,7 +66,9 @@ class Reference:
         self.growth = {}
 
         for g, columns in self.groups.items():
-            parted = [difference(g, np.array(k.values)[:n][:, columns], self.values[:, columns]) for k in kicked]
+            parted = [
+                difference(g, np.array(k.values)[:n][:, columns], self.values[:, columns]) for k in kicked
+            ]
             growth = np.maximum.accumulate(np.max(parted, axis=0)) / KICK
 
             # the start, before the first kick, is as far off as what it was kicked to
@@ -87,7 +94,8 @@ class Reference:
 
 
 def groups(names):
-    """Name without index -> columns of its components; without those that a joint and a body of one name share."""
+    """Name without index -> columns of its components;
+    without those that a joint and a body of one name share."""
     found = {}
 
     for k, name in enumerate(names):
@@ -97,7 +105,8 @@ def groups(names):
 
 
 def difference(group, a, b):
-    """How far rows (n, k) of a group of outputs are apart (n,): E and -E are one orientation, angles of yaw, pitch, roll turn around."""
+    """How far rows (n, k) of a group of outputs are apart (n,): E and -E are one orientation, angles of yaw,
+    pitch, roll turn around."""
     apart = np.abs(a - b)
 
     if group.endswith("euler_parameters"):
@@ -112,8 +121,9 @@ def difference(group, a, b):
 def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0):
     """Findings where a run is off the reference by more than its tolerance allows.
 
-    halved : of a fixed step, the same way with half and with a quarter of it. twin : a run of the same way, which it may be off by no
-    more than rounding, grown as errors grow. until : s, up to which they are compared. safety : times as much as else is allowed.
+    halved : of a fixed step, the same way with half and with a quarter of it. twin : a run of the same way,
+    which it may be off by no more than rounding, grown as errors grow. until : s, up to which they are
+    compared. safety : times as much as else is allowed.
     """
     if not run.values:
         return []
@@ -135,12 +145,21 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
             continue
 
         mine = values[:, [at[name] for name in names]]
-        wanted = np.array(twin.values)[theirs][:, [at[name] for name in names]] if twin else reference.values[ours][:, columns]
+        wanted = (
+            np.array(twin.values)[theirs][:, [at[name] for name in names]]
+            if twin
+            else reference.values[ours][:, columns]
+        )
         off = difference(g, mine[theirs], wanted)
         allowed = safety * tolerance * reference.growth[g][ours] + ROUNDING * reference.size[g]
 
         if halved is not None:
-            allowed = allowed + HALVING * 2.0 ** ORDERS[run.way.integrator] * _halving(g, halved, at, names, len(mine))[theirs]
+            allowed = (
+                allowed
+                + HALVING
+                * 2.0 ** ORDERS[run.way.integrator]
+                * _halving(g, halved, at, names, len(mine))[theirs]
+            )
 
         loose = ~(allowed <= LOOSE * reference.size[g])
         count.loose += int(loose.sum())
@@ -153,17 +172,30 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
             beyond = ratio.max()
             k = int(np.argmax(ratio > 1.0))
             c = int(np.argmax(np.abs(mine[theirs[k]] - wanted[k])))
-            text = f"at worst {beyond:.3g} times what is allowed; the other way is {(twin or reference.run).way}"
+            text = (
+                f"at worst {beyond:.3g} times what is allowed; the other way is {(twin or reference.run).way}"
+            )
             worst = Finding(
-                "ways part", str(run.way), names[c], run.times[theirs[k]], mine[theirs[k], c], wanted[k, c], allowed[k], text
+                "ways part",
+                str(run.way),
+                names[c],
+                run.times[theirs[k]],
+                mine[theirs[k], c],
+                wanted[k, c],
+                allowed[k],
+                text,
             )
 
     return [worst] if worst else []
 
 
 def _halving(group, halved, at, names, n):
-    """How far, up to each of n rows, runs with half the step and a quarter of it are apart; infinite where one has ended."""
-    one, two = (np.array(other.values).reshape(len(other.values), -1)[:n, [at[name] for name in names]] for other in halved)
+    """How far, up to each of n rows, runs with half the step and a quarter of it are apart;
+    infinite where one has ended."""
+    one, two = (
+        np.array(other.values).reshape(len(other.values), -1)[:n, [at[name] for name in names]]
+        for other in halved
+    )
     off, both = np.full(n, np.inf), min(len(one), len(two))
     off[:both] = np.maximum.accumulate(difference(group, one[:both], two[:both])) if both else 0.0
     return off

@@ -1,8 +1,10 @@
-"""Which keys of the schema scenes use: `all_keys()` of the schema itself, `keys_of(data)` of a scene, a table of counts.
+"""Which keys of the schema scenes use: `all_keys()` of the schema itself, `keys_of(data)` of a scene,
+a table of counts.
 
-A key is the path to it without the names that a user gives: `body.marker.output=zyx`, `joint.revolute.start.angle_deg`. What a
-kind's own table holds stands beside what the joint holds: `joint.revolute.axis`. Behind `=` stands one of a choice of words, one
-of the forms that an array may have (`inertia=3x3`), or whether an axis is a `name` or a `vector`.
+A key is the path to it without the names that a user gives: `body.marker.output=zyx`,
+`joint.revolute.start.angle_deg`. What a kind's own table holds stands beside what the joint holds:
+`joint.revolute.axis`. Behind `=` stands one of a choice of words, one of the forms that an array may have
+(`inertia=3x3`), or whether an axis is a `name` or a `vector`.
 """
 
 import typing
@@ -25,7 +27,11 @@ class Leaf:
 
     def used(self, path, value):
         found = [value] if isinstance(value, (str, bool)) else value if isinstance(value, list) else []
-        told = {f"{path}={_word(item)}" for item in found if isinstance(item, (str, bool)) and _word(item) in self.options}
+        told = {
+            f"{path}={_word(item)}"
+            for item in found
+            if isinstance(item, (str, bool)) and _word(item) in self.options
+        }
         return {path} | told | ({f"{path}={self.form(value)}"} if self.form else set())
 
 
@@ -43,7 +49,9 @@ class Table:
         return {path}.union(*(node.keys(self._path(path, key)) for key, node in self.below.items()))
 
     def used(self, path, value):
-        return {path}.union(*(self.below[key].used(self._path(path, key), item) for key, item in value.items()))
+        return {path}.union(
+            *(self.below[key].used(self._path(path, key), item) for key, item in value.items())
+        )
 
 
 class Kinds:
@@ -178,7 +186,9 @@ def _told(validator):
     if function is typing.get_args(fields.Flag)[1].func:
         return [("options", ("true",))]
 
-    cells = dict(zip(function.__code__.co_freevars, (cell.cell_contents for cell in function.__closure__ or ())))
+    cells = dict(
+        zip(function.__code__.co_freevars, (cell.cell_contents for cell in function.__closure__ or ()))
+    )
 
     if "options" in cells:
         also = ("true",) if function.__name__ == "true_or_some" else ()

@@ -1,4 +1,5 @@
-"""What a model says of itself: which outputs feel which inputs, names and units, in process and in the FMU."""
+"""What a model says of itself: which outputs feel which inputs, names and units,
+in process and in the FMU."""
 
 import numpy as np
 from lxml import etree
@@ -32,10 +33,16 @@ def observed(model, instance, way):
         finally:
             instance.u[v.index] = kept
 
-        silent = [outputs[k].name for k in changed if v.index not in outputs[k].depends and not apart(outputs[k].name)]
+        silent = [
+            outputs[k].name
+            for k in changed
+            if v.index not in outputs[k].depends and not apart(outputs[k].name)
+        ]
 
         if silent:
-            text = f"depends on {v.name}, and does not say so" + (f"; {len(silent) - 1} more" if silent[1:] else "")
+            text = f"depends on {v.name}, and does not say so" + (
+                f"; {len(silent) - 1} more" if silent[1:] else ""
+            )
             found.append(Finding("dependence", way, silent[0], instance.time, text=text))
 
     return found
@@ -47,8 +54,11 @@ def apart(name):
 
 
 def told(model):
-    """Findings where modelDescription.xml does not tell names, units, causality or dependencies of the model."""
-    root = etree.fromstring(description(model).encode() if isinstance(description(model), str) else description(model))
+    """Findings where modelDescription.xml does not tell names, units,
+    causality or dependencies of the model."""
+    root = etree.fromstring(
+        description(model).encode() if isinstance(description(model), str) else description(model)
+    )
     variables = root.findall("ModelVariables/ScalarVariable")
     found = []
 
@@ -63,9 +73,13 @@ def told(model):
         real = xml.find("Real")
 
         if xml.get("causality") != v.causality or real is None or real.get("unit") != v.unit:
-            wrong(v.name, f"{xml.get('causality')} in {real.get('unit')}; the model: {v.causality} in {v.unit}")
+            wrong(
+                v.name, f"{xml.get('causality')} in {real.get('unit')}; the model: {v.causality} in {v.unit}"
+            )
 
-    unknowns = {int(u.get("index")) - 1: u.get("dependencies") for u in root.findall("ModelStructure/Outputs/Unknown")}
+    unknowns = {
+        int(u.get("index")) - 1: u.get("dependencies") for u in root.findall("ModelStructure/Outputs/Unknown")
+    }
     n_u = len(model.of_causality("input"))
 
     for k, v in enumerate(model.of_causality("output"), n_u):

@@ -1,4 +1,5 @@
-"""Which ways a scene is run: a reference, its kicked runs, and a few others with what they are compared to."""
+"""Which ways a scene is run: a reference, its kicked runs,
+and a few others with what they are compared to."""
 
 from dataclasses import dataclass, replace
 
@@ -17,8 +18,10 @@ INTERPRETED_EVALUATIONS = 2000  # in a communication step, of one body
 
 @dataclass(frozen=True)
 class Ways:
-    """near : compared with the reference within their tolerance. bits : (way, which of `near` it equals to the bit).
-    rounding : (way, which of `near` it equals but for rounding). halved : which of `near`, of a fixed step -> with half and a quarter of it.
+    """near : compared with the reference within their tolerance. bits :
+    (way, which of `near` it equals to the bit).
+    rounding : (way, which of `near` it equals but for rounding). halved : which of `near`,
+    of a fixed step -> with half and a quarter of it.
     """
 
     reference: Way
@@ -31,8 +34,8 @@ class Ways:
 
 
 def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
-    """The ways of a scene of so many bodies. n : of those that are compared within tolerances. fmu, interpreted : whether some are run
-    so."""
+    """The ways of a scene of so many bodies. n : of those that are compared within tolerances. fmu,
+    interpreted : whether some are run so."""
     rng = dice(seed, "ways")
     pattern = PATTERNS[rng.integers(len(PATTERNS))]
     formulations = list(rng.permutation(["embedding", "augmented", "recursive"]))
@@ -45,7 +48,9 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
         bits += [(replace(near[which], host="fmu", memory=memory), which) for memory in memories]
 
     which = int(rng.integers(n))
-    bits.append((replace(near[which], memory=str(rng.choice(["restore", "serialise", "reset", "second"]))), which))
+    bits.append(
+        (replace(near[which], memory=str(rng.choice(["restore", "serialise", "reset", "second"]))), which)
+    )
 
     if not INTERPRETED and interpreted:
         which = int(rng.integers(n))
@@ -61,9 +66,19 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
     patterns = tuple(dict.fromkeys(way.pattern for way in near))
     longest = plan.until / (3 * len(plan.points))
     reference = Way("recursive", "rk853", TIGHT, max_step=longest, pattern=("union", patterns), exact=True)
-    integrals = None if plan.bound else Way("recursive", "rk853", TIGHT, max_step=longest, pattern=("equal", 16), exact=True)
-    halved = {k: [replace(way, step=part * way.step) for part in (0.5, 0.25)] for k, way in enumerate(near) if way.step}
-    return Ways(reference, [replace(reference, kick=k) for k in KICKS], integrals, near, bits, rounding, halved)
+    integrals = (
+        None
+        if plan.bound
+        else Way("recursive", "rk853", TIGHT, max_step=longest, pattern=("equal", 16), exact=True)
+    )
+    halved = {
+        k: [replace(way, step=part * way.step) for part in (0.5, 0.25)]
+        for k, way in enumerate(near)
+        if way.step
+    }
+    return Ways(
+        reference, [replace(reference, kick=k) for k in KICKS], integrals, near, bits, rounding, halved
+    )
 
 
 def _way(rng, formulation, plan, pattern):

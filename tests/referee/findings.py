@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 class Finding:
     """Something that is not as it must be.
 
-    verdict : which one, in a word. way : how it was run. variable, time (s) : where. found, wanted, allowed : the value, what it must be, and
-    how far off it may be. text : more, in words.
+    verdict : which one, in a word. way : how it was run. variable, time (s) : where. found, wanted, allowed :
+    the value, what it must be, and how far off it may be. text : more, in words.
     """
 
     verdict: str
@@ -43,7 +43,8 @@ class Finding:
 
 @dataclass
 class Count:
-    """How much was judged: comparisons made, and those that meant nothing because errors grow too much; what else to count, by name."""
+    """How much was judged: comparisons made, and those that meant nothing because errors grow too much;
+    what else to count, by name."""
 
     made: int = 0
     loose: int = 0

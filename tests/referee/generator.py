@@ -1,9 +1,10 @@
 """Random scenes over the whole schema: `draw(seed)` gives one as `tomllib` would.
 
-Kinds of joints, loops, couplings, drivers, forces, ground motions and starts are drawn each for itself, so that all combine. A
-mechanism grows as a tree at a start of its own; loops, contacts and couplings are then put where they fit there, and only if
-they leave something that moves. Speeds are drawn among those that all of these allow. What of that start is written is another
-draw: all, where alone, parts, nothing, or not quite right.
+Kinds of joints, loops, couplings, drivers, forces, ground motions and starts are drawn each for itself, so
+that all combine. A mechanism grows as a tree at a start of its own; loops, contacts and couplings are then
+put where they fit there, and only if they leave something that moves. Speeds are drawn among those that all
+of these allow. What of that start is written is another draw: all, where alone, parts, nothing, or not quite
+right.
 """
 
 import math
@@ -18,14 +19,15 @@ from .making.dice import Dice
 from .making.mechanism import Mechanism
 
 TREE = {
-    "revolute": 6, "prismatic": 6, "spherical": 2.2, "free": 1.5, "cylindrical": 1.2, "universal": 3.5, "planar": 1.5,
-    "translation": 2, "screw": 2.6, "fixed": 1,
-}
+    "revolute": 6, "prismatic": 6, "spherical": 2.2, "free": 1.5, "cylindrical": 1.2, "universal": 3.5,
+    "planar": 1.5, "translation": 2, "screw": 2.6, "fixed": 1,
+}  # fmt: skip
 LOOPS = {
-    "revolute": 2.5, "prismatic": 2, "spherical": 1.2, "cylindrical": 1.2, "universal": 1.2, "planar": 1.2, "translation": 1,
-    "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1, "distance": 1.2, "rolling_sphere": 1,
-    "rolling_disk": 1.8, "knife_edge": 1, "point_on_curve": 2, "curve_on_curve": 2.3, "point_on_surface": 3.8,
-}
+    "revolute": 2.5, "prismatic": 2, "spherical": 1.2, "cylindrical": 1.2, "universal": 1.2, "planar": 1.2,
+    "translation": 1, "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1,
+    "distance": 1.2, "rolling_sphere": 1, "rolling_disk": 1.8, "knife_edge": 1, "point_on_curve": 2,
+    "curve_on_curve": 2.3, "point_on_surface": 3.8,
+}  # fmt: skip
 # kinds of trees: what they are mostly of
 FAMILIES = {
     "all": (3, TREE),
@@ -41,7 +43,13 @@ RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 FOCUS = {
     "couplings": {"couplings": (1, 4), "wheel": 0.6, "loops": (0, 1), "fast": 0.7},
     "turns": {"couplings": (1, 3), "wheel": 0.8, "fast": 1.0, "loops": (0, 1)},
-    "tables": {"spring": 0.5, "damper": 0.5, "driver": 0.4, "forces": (1, 3), "drivers": {"table": 1, "speed_table": 1}},
+    "tables": {
+        "spring": 0.5,
+        "damper": 0.5,
+        "driver": 0.4,
+        "forces": (1, 3),
+        "drivers": {"table": 1, "speed_table": 1},
+    },
     "starts": {"loops": (1, 2), "couplings": (0, 2), "starts": STARTS | {"fit": 1, "off": 3, "part": 6}},
     "between steps": {"stop": 0.7, "damper": 0.7, "friction": 0.3, "planar": 0.3},
     "loops": {"loops": (1, 3), "planar": 0.5, "off axis": 0.4},
@@ -59,8 +67,9 @@ FOCUS = {
 def draw(seed: int, size: int | None = None, focus: str | None = None, start: str | None = None) -> dict:
     """The scene of a seed.
 
-    size : number of bodies, else 1 to 30. focus : one of FOCUS, for a small scene rich in that. start : one of STARTS; where it
-    is "fit" or "places", all that is written of the start can be kept (but for chains drawn not quite to close, to 1e-4).
+    size : number of bodies, else 1 to 30. focus : one of FOCUS, for a small scene rich in that. start : one
+    of STARTS; where it is "fit" or "places", all that is written of the start can be kept (but for chains
+    drawn not quite to close, to 1e-4).
     """
     for attempt in range(100):
         dice = Dice(seed, attempt)
@@ -80,7 +89,9 @@ def time_scale(data: dict) -> float:
     for joint in data.get("joint", {}).values():
         for part in (joint.get("start", {}), joint.get("driver", {})):
             for key, value in part.items():
-                factor = math.pi / 180 if key.endswith("_deg") else math.pi / 30 if key.endswith("_rpm") else 1.0
+                factor = (
+                    math.pi / 180 if key.endswith("_deg") else math.pi / 30 if key.endswith("_rpm") else 1.0
+                )
                 if "speed" in key and isinstance(value, float):
                     rates.append(abs(value) * factor / 3)
         stiff = [joint.get(part, {}).get("stiffness", 0.0) for part in ("spring", "stop")]
@@ -182,10 +193,16 @@ def _scene(dice, taste, seed):
         data["ground"] = ground
 
     data["body"] = dice.shuffled(mechanism.body)
-    data["joint"] = dice.shuffled({joint.name: _joint(dice, mechanism, joint, v, taste, teller) for joint in mechanism.joints})
+    data["joint"] = dice.shuffled(
+        {joint.name: _joint(dice, mechanism, joint, v, taste, teller) for joint in mechanism.joints}
+    )
     couplings = {name: table | teller.output(["efforts"]) for name, table in mechanism.coupling.items()}
     loads = {name: table | teller.force(table) for name, table in drawn.items()}
-    data |= {key: table for key, table in (("coupling", couplings), ("force", loads), ("measure", measures)) if table}
+    data |= {
+        key: table
+        for key, table in (("coupling", couplings), ("force", loads), ("measure", measures))
+        if table
+    }
     data = _plain(data)
     return data if _fits(data, mechanism, dice) else None
 
@@ -226,7 +243,10 @@ def _measures(dice, mechanism, taste, teller):
 
     for _ in range(dice.whole(*taste["measures"])):
         owners = dice.some([*mechanism.body, "ground", "inertial"], 2)[:2]
-        ends = [mechanism.end(owner, frames.place(dice, 0.5)[0] if owner != "inertial" else {}) for owner in owners]
+        ends = [
+            mechanism.end(owner, frames.place(dice, 0.5)[0] if owner != "inertial" else {})
+            for owner in owners
+        ]
         told = dice.some(telling.MEASURES, 1) if teller.much != "all" else list(telling.MEASURES)
         found[mechanism.names.new(names.MEASURES)] = {"between": ends, "output": told}
 
@@ -260,7 +280,9 @@ def _start(dice, mechanism, joint, v, sort):
     # a joint that closes a loop follows from the others; one whose driver starts at it must stand there
     given = joint.in_tree or joint.driven or dice.chance(0.6)
     rates = v is not None and joint.says == "all" and sort != "places"
-    start = kinds.start(dice, joint, mechanism.velocity_of(joint, v) if rates else np.zeros(0)) if given else {}
+    start = (
+        kinds.start(dice, joint, mechanism.velocity_of(joint, v) if rates else np.zeros(0)) if given else {}
+    )
 
     if sort == "part" and not joint.driven:
         return kinds.in_part(dice, joint, start) if dice.chance(0.85) else {}

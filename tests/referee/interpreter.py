@@ -1,4 +1,5 @@
-"""Interpreted kernels, in a process of their own: it takes (scene, plan, way) and gives a `Run`, one after the other."""
+"""Interpreted kernels, in a process of their own: it takes (scene, plan, way) and gives a `Run`,
+one after the other."""
 
 import os
 import pickle
@@ -34,9 +35,15 @@ class Interpreter:
     def run(self, data, plan, way):
         """As `ways.run`."""
         if self._process is None:
-            paths = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONSAFEPATH": "1", "MBDFMI_INTERPRETED": "1"}
+            paths = {
+                "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+                "PYTHONSAFEPATH": "1",
+                "MBDFMI_INTERPRETED": "1",
+            }
             command = [sys.executable, "-m", f"{__package__}.interpreter"]
-            self._process = subprocess.Popen(command, env=os.environ | paths, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            self._process = subprocess.Popen(
+                command, env=os.environ | paths, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+            )
 
         pickle.dump((data, plan, way), self._process.stdin)
         self._process.stdin.flush()

@@ -15,12 +15,20 @@ def scene(**tables):
 
 def arm(**more):
     """A body with a marker where the next joint is."""
-    return BODY | {"marker": {"end": TILTED | {"position": [0.3, 0.2, -0.4]}, "side": {"position": [0.1, 0.5, 0.2]}}} | more
+    return (
+        BODY
+        | {"marker": {"end": TILTED | {"position": [0.3, 0.2, -0.4]}, "side": {"position": [0.1, 0.5, 0.2]}}}
+        | more
+    )
 
 
 def pair(first, second, **tables):
-    """Two bodies one after the other on a ground with a tilted marker; first, second : their joints but for the ends."""
-    joints = {"one": {"between": ["ground.post", "a"]} | first, "two": {"between": ["a.end", "b.side"]} | second}
+    """Two bodies one after the other on a ground with a tilted marker; first, second :
+    their joints but for the ends."""
+    joints = {
+        "one": {"between": ["ground.post", "a"]} | first,
+        "two": {"between": ["a.end", "b.side"]} | second,
+    }
     ground = {"marker": {"post": TILTED}} | tables.pop("ground", {})
     return scene(ground=ground, body={"a": arm(), "b": arm()}, joint=joints, **tables)
 
@@ -39,7 +47,14 @@ def drivers():
         "constant": {"constant_speed_rpm": 20},
         "hold": {"hold": True},
         "harmonic": {"harmonic": {"amplitude_deg": 30, "frequency": 1.5, "phase_deg": 40, "mean_deg": 10}},
-        "harmonics": {"harmonics": {"amplitude": [0.3, 0.1], "frequency": [0.7, 2.1], "phase_deg": [10, -70], "mean": 0.2}},
+        "harmonics": {
+            "harmonics": {
+                "amplitude": [0.3, 0.1],
+                "frequency": [0.7, 2.1],
+                "phase_deg": [10, -70],
+                "mean": 0.2,
+            }
+        },
         "polynomial": {"polynomial": {"coefficients_deg": [10, 20, -30, 5]}},
         "ramp": {"ramp": {"time": [-0.3, 0.6], "position_deg": [-20, 50]}},
     }
@@ -52,8 +67,12 @@ def drivers():
     }
 
     for read in ("linear", "cubic", "quintic", "smooth"):
-        angular[f"table {read}"] = {"table": {"time": WAVE, "position_deg": [50 * x for x in VALUES], "interpolation": read}}
-        angular[f"speeds {read}"] = {"speed_table": {"time": WAVE, "speed_rpm": [9 * x for x in VALUES], "interpolation": read}}
+        angular[f"table {read}"] = {
+            "table": {"time": WAVE, "position_deg": [50 * x for x in VALUES], "interpolation": read}
+        }
+        angular[f"speeds {read}"] = {
+            "speed_table": {"time": WAVE, "speed_rpm": [9 * x for x in VALUES], "interpolation": read}
+        }
         linear[f"table {read}"] = {"table": {"time": WAVE, "position": VALUES, "interpolation": read}}
         linear[f"speeds {read}"] = {"speed_table": {"time": WAVE, "speed": VALUES, "interpolation": read}}
 
@@ -61,7 +80,9 @@ def drivers():
 
     for name, driver in angular.items():
         start = {"start": {"angle_deg": 35}} if name.startswith(("constant", "hold", "speeds")) else {}
-        found[f"angular {name}"] = pair(hinge(start={"angle": 0.4, "speed": 1.0}), hinge(driver=driver, **start))
+        found[f"angular {name}"] = pair(
+            hinge(start={"angle": 0.4, "speed": 1.0}), hinge(driver=driver, **start)
+        )
 
     for name, driver in linear.items():
         start = {"start": {"position": 0.3}} if name.startswith(("constant", "hold", "speeds")) else {}
@@ -71,24 +92,38 @@ def drivers():
 
 
 def grounds():
-    """Name -> scene: every motion of the ground, with a body on it, one that is free, and water that rests in it."""
+    """Name -> scene: every motion of the ground, with a body on it, one that is free,
+    and water that rests in it."""
     place = [[0.1 * np.sin(t + k) for k in range(3)] for t in WAVE]
     angles = [[20 * np.sin(t), 10 * t, -15 * np.cos(t)] for t in WAVE]
     motions = {
         "acceleration": {"acceleration": [0.3, -0.5, 1.0], "velocity": [0.2, 0, 0.1], "position": [1, 2, 3]},
-        "rotation": {"rotation": {"axis": [1, 1, 3], "speed_deg": 80, "point": [0.3, 0.4, 0.5], "angle_deg": 25}},
+        "rotation": {
+            "rotation": {"axis": [1, 1, 3], "speed_deg": 80, "point": [0.3, 0.4, 0.5], "angle_deg": 25}
+        },
         "orbit": {"orbit": {"radius": 3.0, "rate": -0.8, "normal": [1, 0, 2], "phase_deg": 70}},
-        "orbit that keeps its axes": {"orbit": {"radius": 3.0, "rate": 0.8, "normal": "x", "pointing": False}},
+        "orbit that keeps its axes": {
+            "orbit": {"radius": 3.0, "rate": 0.8, "normal": "x", "pointing": False}
+        },
         "cubic": {"table": {"time": WAVE, "position": place, "zyx_deg": angles, "interpolation": "cubic"}},
         "smooth": {"table": {"time": WAVE, "position": place, "zyx_deg": angles}},
     }
-    start = {"position": [0.5, 0.4, 1.0], "zyx_deg": [20, 30, 40], "velocity": [1, -0.5, 0.3], "omega_body": [1, 2, -1]}
+    start = {
+        "position": [0.5, 0.4, 1.0],
+        "zyx_deg": [20, 30, 40],
+        "velocity": [1, -0.5, 0.3],
+        "omega_body": [1, 2, -1],
+    }
     matrix = np.diag([2.0, 3, 4, 0.5, 0.6, 0.7])
     matrix[0, 4] = matrix[4, 0] = 0.3
     found = {}
 
     for k, (name, motion) in enumerate(motions.items()):
-        water = {"added_mass": matrix.tolist(), "damping": (0.3 * matrix).tolist(), "axes": ("first", "heading", "body")[k % 3]}
+        water = {
+            "added_mass": matrix.tolist(),
+            "damping": (0.3 * matrix).tolist(),
+            "axes": ("first", "heading", "body")[k % 3],
+        }
         found[name] = scene(
             ground={"motion": motion, "marker": {"post": TILTED, "sea": {"zyx_deg": [10, 5, -20]}}},
             body={"a": arm(), "b": arm(), "f": arm()},
@@ -118,13 +153,22 @@ def efforts():
             spring = {"table": {"position_deg": [57.3 * k for k in x], "effort": y, "interpolation": read}}
             damper = {"table": {"speed": x, "effort": y, "interpolation": read}}
             strut = {
-                "table": {"length": [0.2, 0.7, 1.1, 1.9], "force": [-2.0, 1.0, 3.0, 4.0], "interpolation": read},
+                "table": {
+                    "length": [0.2, 0.7, 1.1, 1.9],
+                    "force": [-2.0, 1.0, 3.0, 4.0],
+                    "interpolation": read,
+                },
                 "damping": {"table": {"speed": x, "force": y, "interpolation": read}},
             }
             found[f"{read} {where}"] = pair(
                 hinge(spring=spring, damper=damper, start={"angle": q, "speed": -q}),
-                slide(spring={"table": {"position": x, "effort": y, "interpolation": read}}, start={"position": q, "speed": 0.4}),
-                force={"rope": {"spring_damper": strut, "between": ["ground.post", "b.end"], "input": "force"}},
+                slide(
+                    spring={"table": {"position": x, "effort": y, "interpolation": read}},
+                    start={"position": q, "speed": 0.4},
+                ),
+                force={
+                    "rope": {"spring_damper": strut, "between": ["ground.post", "b.end"], "input": "force"}
+                },
             )
 
     friction = {"coulomb": 0.7, "static": 1.1, "stribeck_speed": 0.3, "viscous": 0.2, "smoothing_speed": 0.15}
@@ -145,7 +189,11 @@ def bodies():
         {"sphere": {"radius": 0.2, "density": 800}, "position": [0.1, 0.2, 0.3]},
         {"box": {"size": [0.2, 0.3, 0.5], "mass": 3}, "axis_angle": {"axis": [1, 2, 3], "angle_deg": 40}},
         {"cylinder": {"radius": 0.1, "length": 0.6, "density": 500}, "axis": "x", "zyx_deg": [10, 20, 30]},
-        {"tube": {"radius": 0.2, "inner_radius": 0.15, "length": 0.4, "mass": 2}, "axis": [1, 1, 0], "position": [0, 0.3, 0]},
+        {
+            "tube": {"radius": 0.2, "inner_radius": 0.15, "length": 0.4, "mass": 2},
+            "axis": [1, 1, 0],
+            "position": [0, 0.3, 0],
+        },
         {"point": {"mass": 0.7}, "position": [0.5, -0.3, 0.1]},
     ]
     frames = {
@@ -153,7 +201,10 @@ def bodies():
         "q": {"axis_angle": {"axis": "-y", "angle_rad": 0.7}}, "x": {"axes": {"z": [1, 1, 1], "x": [1, 0, 0]}},
         "y": {"axes": {"y": "-z", "x": [1, 2, 0]}},
     }  # fmt: skip
-    inertia = BODY | {"inertia": [[0.4, 0.02, 0], [0.02, 0.5, 0.01], [0, 0.01, 0.6]], "inertia_axes": {"zyx_deg": [10, 20, 30]}}
+    inertia = BODY | {
+        "inertia": [[0.4, 0.02, 0], [0.02, 0.5, 0.01], [0, 0.01, 0.6]],
+        "inertia_axes": {"zyx_deg": [10, 20, 30]},
+    }
     found = {}
 
     for k, frame in enumerate(frames):
@@ -181,7 +232,11 @@ def forces():
         mount = {"stiffness": [100, 200, 300, 10, 20, 30], "damping": (np.eye(6) + 0.2).tolist()}
         found[f"load {read}"] = pair(
             {"spherical": {}, "input": "torque", "start": {"zyx_deg": [30, 40, 50], "omega": [1, -2, 0.5]}},
-            {"cylindrical": {"axis": [0, 1, 1]}, "input": ["force", "torque"], "start": {"position": 0.2, "speed": 0.3}},
+            {
+                "cylindrical": {"axis": [0, 1, 1]},
+                "input": ["force", "torque"],
+                "start": {"position": 0.2, "speed": 0.3},
+            },
             force={
                 "push": {"load": load, "on": "b.end"},
                 "pull": {"load": {"force": [1, 2, 3], "moment": [3, 2, 1]}, "on": "a.side"},
@@ -194,7 +249,9 @@ def forces():
     body = arm(input=["force", "moment"], input_axes="body")
     body["marker"] = {"tip": TILTED | {"input": ["force", "moment"], "input_axes": "body"}}
     found["central"] = scene(
-        central_gravity={"mu": 9.0}, body={"a": body}, joint={"f": {"free": {}, "between": ["a.tip", "ground"], "start": start}}
+        central_gravity={"mu": 9.0},
+        body={"a": body},
+        joint={"f": {"free": {}, "between": ["a.tip", "ground"], "start": start}},
     )
     del found["central"]["gravity"]
     return found
@@ -217,10 +274,16 @@ def couplings():
         )  # fmt: skip
 
     found["driven gear"] = pair(
-        hinge(driver={"constant_speed": 2.0}), hinge(), coupling={"c": {"gear": {"ratio": 3}, "between": ["one", "two"]}}
+        hinge(driver={"constant_speed": 2.0}),
+        hinge(),
+        coupling={"c": {"gear": {"ratio": 3}, "between": ["one", "two"]}},
     )
     found["screw joint"] = pair(
-        {"screw": {"axis": [1, 2, 1], "pitch": -0.5}, "start": {"angle_deg": 400, "angular_speed_deg": 50}, "input": "torque"},
+        {
+            "screw": {"axis": [1, 2, 1], "pitch": -0.5},
+            "start": {"angle_deg": 400, "angular_speed_deg": 50},
+            "input": "torque",
+        },
         {"translation": {}, "start": {"position": [0.3, 0.1, 0], "velocity": [0.1, 0.2, 0.3]}},
     )
     return found
@@ -260,7 +323,11 @@ def contacts():
             )
 
     for name in ("circle", "ring", "parabola"):
-        shape = {"spline": {"points": [point[:2] for point in ring], "closed": True}} if name == "ring" else curves[name]
+        shape = (
+            {"spline": {"points": [point[:2] for point in ring], "closed": True}}
+            if name == "ring"
+            else curves[name]
+        )
         follower = {"circle": {"radius": 0.1}} if name != "circle" else {"line": {}}
         found[f"cam {name}"] = scene(
             ground={"marker": {"axle": {"zyx_deg": [20, 10, 0]}}},
@@ -287,7 +354,9 @@ def commands():
     places = {name: {"position": place} for name, place in zip("xyz", np.eye(3).tolist())}
     seen = {name: {"between": ["inertial", f"ground.{name}"], "output": []} for name in "xyz"}
 
-    for k, told in enumerate((True, ["position", "zyx"], ["position", "velocity", "zyx", "omega"], ["euler_parameters"])):
+    for k, told in enumerate(
+        (True, ["position", "zyx"], ["position", "velocity", "zyx", "omega"], ["euler_parameters"])
+    ):
         found[f"ground {k}"] = scene(
             ground={"motion": {"input": told}, "marker": places},
             body={"a": arm()},

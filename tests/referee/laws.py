@@ -1,7 +1,9 @@
-"""Laws that any run must keep, whatever way it was made: energy, momentum, constraints, orientations, finite values.
+"""Laws that any run must keep, whatever way it was made: energy, momentum, constraints, orientations,
+finite values.
 
-Integrals over time are by Simpson's rule over the communication points of runs made for it (PANELS equal steps in each interval of
-the plan); what half the points give tells how good they are, and what does not balance must not do so with more points either.
+Integrals over time are by Simpson's rule over the communication points of runs made for it (PANELS equal
+steps in each interval of the plan); what half the points give tells how good they are, and what does not
+balance must not do so with more points either.
 """
 
 import numpy as np
@@ -39,7 +41,11 @@ def always(run, data):
 
     if not np.isfinite(values).all():
         k, c = np.argwhere(~np.isfinite(values))[0]
-        found.append(Finding("not finite", name, run.names[c], run.times[k], values[k, c], text="and the status was OK"))
+        found.append(
+            Finding(
+                "not finite", name, run.names[c], run.times[k], values[k, c], text="and the status was OK"
+            )
+        )
         return found
 
     for group, columns in groups(run.names).items():
@@ -48,7 +54,9 @@ def always(run, data):
             k = int(off.argmax())
 
             if off[k] > UNIT:
-                found.append(Finding("orientation", name, group, run.times[k], 1.0 + off[k], 1.0, UNIT, "its length"))
+                found.append(
+                    Finding("orientation", name, group, run.times[k], 1.0 + off[k], 1.0, UNIT, "its length")
+                )
 
     return found + gaps(run, values, data)
 
@@ -81,13 +89,16 @@ def gaps(run, values, data):
         k = int(column.argmax())
 
         if column[k] > allowed * size:
-            found.append(Finding("constraint", str(run.way), group, run.times[k], column[k], 0.0, allowed * size))
+            found.append(
+                Finding("constraint", str(run.way), group, run.times[k], column[k], 0.0, allowed * size)
+            )
 
     return found
 
 
 class Integrals:
-    """Simpson's integrals of a run over the intervals of the plan, each in so many steps. jumps : s, where speeds jump."""
+    """Simpson's integrals of a run over the intervals of the plan, each in so many steps. jumps : s,
+    where speeds jump."""
 
     def __init__(self, run, panels=PANELS, jumps=()):
         self.jumps = np.array(sorted(jumps))
@@ -119,14 +130,19 @@ class Integrals:
         return self.values[:, self.columns[name]]
 
     def is_broken(self, k):
-        """Whether speeds jump in interval k, or the rotation that a linear force or a bushing counts begins anew: energy then jumps."""
+        """Whether speeds jump in interval k, or the rotation that a linear force or a bushing counts begins
+        anew: energy then jumps."""
         a, b = self.run.times[self.begins[k]], self.run.times[self.ends[k]]
 
         if np.any((self.jumps >= a - 1e-9) & (self.jumps <= b + 1e-9)):
             return True
 
         rows = slice(self.begins[k], self.ends[k] + 1)
-        turns = [np.diff(self.values[rows][:, c], axis=0) for g, c in self.columns.items() if g.endswith(".rotation")]
+        turns = [
+            np.diff(self.values[rows][:, c], axis=0)
+            for g, c in self.columns.items()
+            if g.endswith(".rotation")
+        ]
         return any(np.abs(turn).max() > 2.0 for turn in turns)
 
 
@@ -161,7 +177,10 @@ def momentum(integrals, reference, count, mass, gravity):
     moment = np.cross(i.get("center_of_mass"), weight) - i.get("ground.reaction_moment")
     found = []
 
-    for name, rate, of in (("linear_momentum", force, weight), ("angular_momentum", moment, i.get("ground.reaction_moment"))):
+    for name, rate, of in (
+        ("linear_momentum", force, weight),
+        ("angular_momentum", moment, i.get("ground.reaction_moment")),
+    ):
         change, error = i.of(rate)
         size = np.abs(i.get(name)).max() + (np.abs(change) + np.abs(of).max() * i.run.times[-1]).max()
         found += _balance("momentum", name, i, change, error, size, reference, count)
@@ -193,7 +212,9 @@ def _balance(verdict, name, integrals, wanted, error, size, reference, count):
         if off[c] > allowed:
             at = i.run.times[i.ends[k]]
             text = "change over the interval that ends there, and what acts"
-            found.append(Finding(verdict, str(i.run.way), name, at, change[k][c], wanted[k][c], allowed, text))
+            found.append(
+                Finding(verdict, str(i.run.way), name, at, change[k][c], wanted[k][c], allowed, text)
+            )
             break
 
     return found
@@ -236,8 +257,8 @@ def mass_and_gravity(scene, plan):
 
 
 def jumps(data):
-    """s, when tables of positions may make speeds jump, which no integral sees: everywhere where they are straight, and at their ends
-    but where they stand still there.
+    """s, when tables of positions may make speeds jump, which no integral sees:
+    everywhere where they are straight, and at their ends but where they stand still there.
     """
     tables = [joint.get("driver", {}).get("table") for joint in data.get("joint", {}).values()]
     tables.append(data.get("ground", {}).get("motion", {}).get("table"))

@@ -1,8 +1,9 @@
-"""What is done to a scene: inputs over time, parameters set in mid-run, the communication points that all ways share.
+"""What is done to a scene: inputs over time, parameters set in mid-run,
+the communication points that all ways share.
 
-Inputs are polynomials of time of degree at most 5, whose derivatives a master can give, so that every way, whatever its
-communication points, runs under the same inputs to the bit. Forces jump at the shared points; commands of a motion are one smooth
-function, its speed and its acceleration.
+Inputs are polynomials of time of degree at most 5, whose derivatives a master can give, so that every way,
+whatever its communication points, runs under the same inputs to the bit. Forces jump at the shared points;
+commands of a motion are one smooth function, its speed and its acceleration.
 """
 
 import math
@@ -15,9 +16,13 @@ import numpy as np
 N_DERIVATIVE = 6
 
 # parameters that may change in mid-run by themselves: no table loses its symmetry, no loop its ends
-CHANGEABLE = re.compile(r"(\.mass|\.com\[\d\]|^gravity\[\d\]|\.stiffness|\.damper|\.damping|\.rest|\.rest_length|\.force\[\d\])$")
+CHANGEABLE = re.compile(
+    r"(\.mass|\.com\[\d\]|^gravity\[\d\]|\.stiffness|\.damper|\.damping|\.rest|\.rest_length|\.force\[\d\])$"
+)
 COMMANDS = {"position_command": 0, "angle_command": 0, "speed_command": 1, "acceleration_command": 2}
-GROUND = {"position": 0, "velocity": 1, "acceleration": 2, "euler_parameters": 0, "zyx": 0, "omega": 1, "alpha": 2}
+GROUND = {
+    "position": 0, "velocity": 1, "acceleration": 2, "euler_parameters": 0, "zyx": 0, "omega": 1, "alpha": 2,
+}  # fmt: skip
 
 
 def dice(seed, *names):
@@ -25,7 +30,9 @@ def dice(seed, *names):
     return np.random.default_rng([seed, *(zlib.crc32(str(name).encode()) for name in names)])
 
 
-FALLING = np.array([[math.perm(k, i) if k >= i else 0 for k in range(N_DERIVATIVE)] for i in range(N_DERIVATIVE)])
+FALLING = np.array(
+    [[math.perm(k, i) if k >= i else 0 for k in range(N_DERIVATIVE)] for i in range(N_DERIVATIVE)]
+)
 POWER = np.clip(np.arange(N_DERIVATIVE) - np.arange(N_DERIVATIVE)[:, None], 0, None)
 FACTORIAL = np.array([math.factorial(k) for k in range(N_DERIVATIVE)])
 
@@ -34,7 +41,8 @@ FACTORIAL = np.array([math.factorial(k) for k in range(N_DERIVATIVE)])
 class Signal:
     """An input over time.
 
-    begin : s, of its pieces; the last goes on. coefficients : (n, 6) of the powers of time since then, one row a piece.
+    begin : s, of its pieces; the last goes on. coefficients : (n, 6) of the powers of time since then,
+    one row a piece.
     told : whether its derivatives are given to the kernels.
     wave : 1 or 2 for the sine or cosine of half the polynomial, as Euler parameters are.
     """
@@ -89,7 +97,8 @@ class Plan:
     points : s, communication points that all ways share, the first is the start.
     signals : input variable -> `Signal`.
     settings : shared point -> {parameter: value}, set there.
-    bound : the motion depends on the communication points themselves (commands without derivatives): all ways share one pattern.
+    bound : the motion depends on the communication points themselves (commands without derivatives):
+    all ways share one pattern.
     """
 
     points: np.ndarray
@@ -112,7 +121,8 @@ class Plan:
 
 
 def draw(seed, model, until=None):
-    """The plan of a model; names alone tell how its variables fare, so that a smaller scene keeps its plan."""
+    """The plan of a model; names alone tell how its variables fare,
+    so that a smaller scene keeps its plan."""
     rng = dice(seed, "points")
     until = until or float(np.exp(rng.uniform(np.log(0.2), np.log(4.0))))
     n = int(rng.integers(5, 11))
@@ -146,7 +156,8 @@ def _signal(seed, v, points, bare):
     index = v.name[len(name) :]
     told = not bare
 
-    # the ground turns about its z axis alone where it is told by Euler parameters or omega: then all is one polynomial's
+    # the ground turns about its z axis alone where it is told by Euler parameters or omega: then all is one
+    # polynomial's
     turning = owner == "ground" and quantity in ("zyx", "euler_parameters", "omega", "alpha")
     axis = _axis(quantity, index)
     wave = 0
@@ -188,7 +199,9 @@ def _force(rng, v, points):
         lengths = np.diff(points)
         degree = int(rng.integers(1, 6))
         scale = np.array([math.factorial(k) for k in range(degree + 1)])
-        coefficients[:, : degree + 1] = rng.normal(size=(n, degree + 1)) / scale / lengths[:, None] ** np.arange(degree + 1)
+        coefficients[:, : degree + 1] = (
+            rng.normal(size=(n, degree + 1)) / scale / lengths[:, None] ** np.arange(degree + 1)
+        )
     elif how == 3:
         coefficients[:, 0] = np.where(rng.random(n) < 0.3, rng.normal(), 0.0)
 
@@ -197,7 +210,9 @@ def _force(rng, v, points):
 
 def _settings(seed, model, points):
     """A few parameters that change at shared points, and one that is set to what it is at each."""
-    names = [v for v in model.of_causality("parameter") if v.variability == "tunable" and CHANGEABLE.search(v.name)]
+    names = [
+        v for v in model.of_causality("parameter") if v.variability == "tunable" and CHANGEABLE.search(v.name)
+    ]
     settings = {}
 
     if names and dice(seed, "settings").random() < 0.4:
@@ -223,8 +238,9 @@ def _settings(seed, model, points):
 def pieces(plan, pattern):
     """Communication steps (s) of a pattern, for each of the shared intervals a list.
 
-    pattern : ("shared",), ("equal", n), ("unequal", n), ("tiny", n): n steps of 1e-4 of the interval each before its rest;
-    ("union", patterns): the points of all of them. Steps that are equal but for rounding are equal, as a master's are.
+    pattern : ("shared",), ("equal", n), ("unequal", n), ("tiny", n): n steps of 1e-4 of the interval each
+    before its rest; ("union", patterns): the points of all of them. Steps that are equal but for rounding are
+    equal, as a master's are.
     """
     kind, *n = pattern
     result, last = [], 0.0

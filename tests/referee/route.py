@@ -64,9 +64,17 @@ def _instant(told, own, run, t, ignored, count):
     position = max([1.0, *(size[name] for name in told if name.endswith("position"))])
 
     if open_by > OPEN * position and not any("does not quite close" in text for text in run.notices):
-        yield Finding("second route", str(run.way), "constraints", t, open_by, 0.0, OPEN * position, "what joints leave open")
+        yield Finding(
+            "second route",
+            str(run.way),
+            "constraints", t, open_by, 0.0,
+            OPEN * position,
+            "what joints leave open",
+        )  # fmt: skip
 
-    largest = 1.0 + max((size[name] for name in told if any(word in name.rpartition(".")[2] for word in FORCES)), default=0.0)
+    largest = 1.0 + max(
+        (size[name] for name in told if any(word in name.rpartition(".")[2] for word in FORCES)), default=0.0
+    )
 
     for name, value in told.items():
         if name not in own or name in ignored:

@@ -1,7 +1,8 @@
 """Shrinks a scene: the smallest that still fails, found by leaving out and by rounding.
 
-`shrink(data, fails)` takes a scene as a dict and a function of such a dict, and returns the smallest dict found for which it is
-true; `toml(data)` writes it. Scenes that are not valid do not fail. Everything is tried in a fixed order.
+`shrink(data, fails)` takes a scene as a dict and a function of such a dict, and returns the smallest dict
+found for which it is true; `toml(data)` writes it. Scenes that are not valid do not fail. Everything is tried
+in a fixed order.
 """
 
 import copy
@@ -22,7 +23,8 @@ def toml(data: dict) -> str:
 
 
 def shrink(data: dict, fails, tries: int = 1000) -> dict:
-    """The smallest scene found with fails(scene) true, as that of `data` is, by at most so many calls of `fails`."""
+    """The smallest scene found with fails(scene) true, as that of `data` is,
+    by at most so many calls of `fails`."""
     search = _Search(copy.deepcopy(data), fails, tries)
     before = None
 
@@ -94,7 +96,11 @@ def _remove(data, table, names):
         entries.pop(name, None)
 
     if table == "joint":
-        gone = [name for name, coupling in data.get("coupling", {}).items() if set(coupling["between"]) & set(names)]
+        gone = [
+            name
+            for name, coupling in data.get("coupling", {}).items()
+            if set(coupling["between"]) & set(names)
+        ]
         _remove(data, "coupling", gone)
 
     if table in data and not entries:
@@ -121,7 +127,12 @@ def _remove_bodies(data, names, hang):
             ends = entry["between"] if "between" in entry else [entry["on"]]
             off = [end.split(".")[0] in gone for end in ends]
 
-            if hang and table == "joint" and sum(off) == 1 and "ground" not in [end.split(".")[0] for end in ends]:
+            if (
+                hang
+                and table == "joint"
+                and sum(off) == 1
+                and "ground" not in [end.split(".")[0] for end in ends]
+            ):
                 entry["between"] = ["ground" if is_off else end for end, is_off in zip(ends, off)]
             elif any(off):
                 lost.append(name)
@@ -268,4 +279,7 @@ def _set(data, path, value):
     data[path[-1]] = value
 
 
-STEPS = (_without_entries, _without_bodies, _without_keys, _without_items, _plain_ends, _without_points, _round_numbers)
+STEPS = (
+    _without_entries, _without_bodies, _without_keys, _without_items, _plain_ends, _without_points,
+    _round_numbers,
+)  # fmt: skip

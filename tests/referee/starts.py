@@ -1,4 +1,5 @@
-"""Starts: what is given is what is taken, or the joint is named in a notice; and all who ask are told the same."""
+"""Starts: what is given is what is taken, or the joint is named in a notice;
+and all who ask are told the same."""
 
 import contextlib
 import io
@@ -50,7 +51,11 @@ def kept(data, run):
             if np.nanmax(off) > allowed:
                 k = int(np.nanargmax(off))
                 text = "given to start with, and no notice names the joint"
-                found.append(Finding("start", str(run.way), f"{name}.{quantity}", 0.0, values[k], wanted[k], allowed, text))
+                found.append(
+                    Finding(
+                        "start", str(run.way), f"{name}.{quantity}", 0.0, values[k], wanted[k], allowed, text
+                    )
+                )
 
     return found
 
@@ -66,7 +71,8 @@ def names(text, joint):
 
 
 def given(joint):
-    """(quantity, value (n,), NaN where nothing is given) of each start value that a joint was written with."""
+    """(quantity, value (n,), NaN where nothing is given) of each start value that a joint was written
+    with."""
     start = joint.get("start", {})
     start = start if isinstance(start, dict) else {}
 
@@ -148,7 +154,8 @@ def _off(quantity, values, wanted, first, joint):
 
 
 def checked(scene, path):
-    """Findings where `mbdfmi check` of the scene, written to a file, does not tell what a run of it is told at its start."""
+    """Findings where `mbdfmi check` of the scene, written to a file,
+    does not tell what a run of it is told at its start."""
     path.write_text(scene.to_toml(), encoding="utf-8")
     said = io.StringIO()
 
@@ -163,10 +170,16 @@ def checked(scene, path):
     text = _plain(said.getvalue())
 
     if status:
-        found = [Finding("check", "mbdfmi check", text=f"ends with {status}, but the scene starts: {text[-300:]}")]
+        found = [
+            Finding("check", "mbdfmi check", text=f"ends with {status}, but the scene starts: {text[-300:]}")
+        ]
         return found if wanted is not None and "(time " not in text else []
 
-    return [Finding("check", "mbdfmi check", text=f"does not tell: {n}") for n in wanted or [] if _plain(n) not in text]
+    return [
+        Finding("check", "mbdfmi check", text=f"does not tell: {n}")
+        for n in wanted or []
+        if _plain(n) not in text
+    ]
 
 
 def _plain(text):
@@ -176,26 +189,36 @@ def _plain(text):
 def alike(run, other):
     """Findings where two hosts of one way tell different things."""
     one, two = ({_told(text) for text in r.notices} for r in (run, other))
-    return [Finding("notices", str(other.way), text=f"told by one of process and FMU alone: {text}") for text in sorted(one ^ two)]
+    return [
+        Finding("notices", str(other.way), text=f"told by one of process and FMU alone: {text}")
+        for text in sorted(one ^ two)
+    ]
 
 
 def _told(text):
-    """A notice without the time, which process and log tell in their own ways, and without the doubled signs of a log."""
+    """A notice without the time, which process and log tell in their own ways,
+    and without the doubled signs of a log."""
     text = re.sub(r" \(time \S+ s\)$", "", text)
     text = re.sub(r"^(step|initialisation)( at t = \S+ s)?: ", "", text)
     return text.replace("%%", "%").replace("##", "#")
 
 
 def written(data):
-    """Findings where the scene, written as TOML and read again, is another model. Markers may come in another order."""
+    """Findings where the scene, written as TOML and read again, is another model.
+    Markers may come in another order."""
     scene = Scene.model_validate(data)
     again = Scene.model_validate(tomllib.loads(scene.to_toml()))
     shown = [
-        sorted((v.name, v.causality, v.variability, v.start, v.unit, v.description) for v in compile_scene(s).variables)
+        sorted(
+            (v.name, v.causality, v.variability, v.start, v.unit, v.description)
+            for v in compile_scene(s).variables
+        )
         for s in (scene, again)
     ]
 
-    if scene.model_dump(warnings=False) != again.model_dump(warnings=False) or repr(shown[0]) != repr(shown[1]):
+    if scene.model_dump(warnings=False) != again.model_dump(warnings=False) or repr(shown[0]) != repr(
+        shown[1]
+    ):
         return [Finding("TOML", "to_toml", text="read again it gives another model")]
 
     return []

@@ -8,8 +8,9 @@ MARKER = [
     "acceleration_body", "omega_body", "alpha_body",
 ]  # fmt: skip
 MEASURE = [
-    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega",
-]
+    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx",
+    "zyx_rate", "omega",
+]  # fmt: skip
 REACTIONS = ["reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body"]
 PARTS = ("spring", "damper", "friction", "stop", "input", "driver")
 SCENE = [
@@ -75,7 +76,9 @@ def _without_clashes(data):
     for parts in ("body", "joint", "coupling", "force", "measure"):
         for name, part in data.get(parts, {}).items():
             known = [unicodedata.normalize("NFKD", name).encode("ascii", "ignore"), name]
-            outputs = [output for output in part["output"] if not any((key, output) in taken for key in known)]
+            outputs = [
+                output for output in part["output"] if not any((key, output) in taken for key in known)
+            ]
             taken |= {(key, output) for key in known for output in outputs}
             part["output"] = outputs
 
@@ -83,5 +86,7 @@ def _without_clashes(data):
                 del part["output"]
 
     # a measure must tell something
-    data["measure"] = {name: measure for name, measure in data.get("measure", {}).items() if "output" in measure}
+    data["measure"] = {
+        name: measure for name, measure in data.get("measure", {}).items() if "output" in measure
+    }
     return data

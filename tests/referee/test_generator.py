@@ -99,12 +99,17 @@ def test_small_scenes_start():
 
 
 def test_a_start_that_is_drawn_to_fit_is_kept():
-    """Loops, contacts, couplings and drivers of a start written in full fit it: positions and speeds are not moved."""
+    """Loops, contacts, couplings and drivers of a start written in full fit it:
+    positions and speeds are not moved."""
     told = []
 
     for seed in range(40):
         data = generator.draw(seed, size=2, start="fit")
-        told += [(seed, text) for text in Instance(compile_scene(Scene.model_validate(data))).notices if MOVED.search(text)]
+        told += [
+            (seed, text)
+            for text in Instance(compile_scene(Scene.model_validate(data))).notices
+            if MOVED.search(text)
+        ]
 
     assert not told
 
@@ -129,7 +134,11 @@ def test_what_belongs_together_stays_and_numbers_become_plain():
 
     data = next(data for seed in range(300) if fails(data := generator.draw(seed, size=4)))
     small = shrink.shrink(data, fails)
-    assert {*small} == {"name", "body", "joint", "coupling"} and len(small["coupling"]) == 1 and len(small["joint"]) == 2
+    assert (
+        {*small} == {"name", "body", "joint", "coupling"}
+        and len(small["coupling"]) == 1
+        and len(small["joint"]) == 2
+    )
     assert max(body.get("mass", 0.0) for body in small["body"].values()) == 1.0
     assert shrink.shrink(data, fails) == small
 

@@ -1,4 +1,5 @@
-"""The independent route against the package: at random states of scenes of every kind, all that both can tell."""
+"""The independent route against the package: at random states of scenes of every kind,
+all that both can tell."""
 
 import tomllib
 from pathlib import Path
@@ -38,11 +39,15 @@ def named(variables, values):
     for v, value in zip(variables, values):
         found.setdefault(v.name.partition("[")[0], []).append(float(value))
 
-    return {name: np.array(value) if len(value) > 1 or name.endswith("efforts") else value[0] for name, value in found.items()}
+    return {
+        name: np.array(value) if len(value) > 1 or name.endswith("efforts") else value[0]
+        for name, value in found.items()
+    }
 
 
 def differences(data, seed=0, steps=(0.1,), parameters=None, redundant=False, jumps=False):
-    """What the two routes tell differently: (time, name, package's, independent's), at the start and after steps.
+    """What the two routes tell differently: (time, name, package's, independent's),
+    at the start and after steps.
 
     redundant : whether some of it, as reactions, is not determined, so that it need not be told.
     """
@@ -75,7 +80,9 @@ def differences(data, seed=0, steps=(0.1,), parameters=None, redundant=False, ju
 
 @pytest.mark.parametrize("seed", range(4))
 def test_random_trees(seed):
-    data = random_scene(seed, 5, kinds=("revolute", "prismatic", "spherical", "free")).model_dump(exclude_unset=True)
+    data = random_scene(seed, 5, kinds=("revolute", "prismatic", "spherical", "free")).model_dump(
+        exclude_unset=True
+    )
     assert differences(data, seed) == []
 
 
@@ -105,7 +112,11 @@ RUNS = {
 def test_runs(which):
     """Both integrate to the same motion."""
     of = RUNS[which]
-    data = tomllib.loads((FOLDER / f"{of}.toml").read_text()) if isinstance(of, str) else FAMILIES[of[0]]()[of[1]]
+    data = (
+        tomllib.loads((FOLDER / f"{of}.toml").read_text())
+        if isinstance(of, str)
+        else FAMILIES[of[0]]()[of[1]]
+    )
     data = data | {"solver": {"tolerance": 1e-11}}
     instance = Instance(compile_scene(Scene.model_validate(all_told(data))))
     system, inputs = System(data), inputs_of(instance, 1)
@@ -126,12 +137,22 @@ def test_runs(which):
 def test_a_run_keeps_energy_and_momentum():
     """Three bodies on ball joints and a strut, free in space."""
     joints = {
-        "f": {"free": {}, "between": ["ground", "a"], "start": {"omega": [1, 2, -1], "velocity": [0.3, 0.1, 0]}},
+        "f": {
+            "free": {},
+            "between": ["ground", "a"],
+            "start": {"omega": [1, 2, -1], "velocity": [0.3, 0.1, 0]},
+        },
         "g": {"spherical": {}, "between": ["a.end", "b.side"], "start": {"omega": [-1, 0.5, 3]}},
         "h": {"universal": {}, "between": ["b.end", "c.side"], "start": {"speeds": [2, -3]}},
     }
     strut = {"spring_damper": {"stiffness": 20, "rest_length": 0.3}, "between": ["a.side", "c.end"]}
-    data = {"name": "e", "gravity": [0, 0, 0], "body": dict.fromkeys("abc", arm()), "joint": joints, "force": {"s": strut}}
+    data = {
+        "name": "e",
+        "gravity": [0, 0, 0],
+        "body": dict.fromkeys("abc", arm()),
+        "joint": joints,
+        "force": {"s": strut},
+    }
     instance = Instance(compile_scene(Scene.model_validate(all_told(data))))
     told = named(instance.model.of_causality("output"), instance.outputs())
     system, times = System(data), [0.0, 0.3, 0.6]

@@ -1,4 +1,5 @@
-"""The independent route by itself against closed forms: what a key means, where both routes could have read it wrongly."""
+"""The independent route by itself against closed forms: what a key means,
+where both routes could have read it wrongly."""
 
 import numpy as np
 import pytest
@@ -68,7 +69,9 @@ def test_orientations(written, A):
 )  # fmt: skip
 def test_solids(solid, mass, moments):
     """A torque turns by it, a force moves it, about its place."""
-    bodies = {"a": {"solid": solid | {"position": [0.3, 0.4, 0.5]}, "marker": {"c": {"position": [0.3, 0.4, 0.5]}}}}
+    bodies = {
+        "a": {"solid": solid | {"position": [0.3, 0.4, 0.5]}, "marker": {"c": {"position": [0.3, 0.4, 0.5]}}}
+    }
     load = {"push": {"load": {"force": [1, 2, 3], "moment": [4, 5, 6]}, "on": "a.c"}}
     found = told({"a": REST}, body=bodies, joint=free(), force=load)
     close(found["a.alpha"], np.array([4, 5, 6]) / moments)
@@ -78,7 +81,12 @@ def test_solids(solid, mass, moments):
 def test_solids_together():
     """Two points: mass, centre, and the inertia about it of a dumbbell; gravity on it."""
     points = [{"point": {"mass": m}, "position": [x, 0, 0]} for m, x in ((1.0, 3.0), (2.0, 0.0))]
-    found = told({"a": (*REST[:3], np.array([0, 0, 2.0]))}, body={"a": {"solid": points}}, joint=free(), gravity=[0, 0, -10])
+    found = told(
+        {"a": (*REST[:3], np.array([0, 0, 2.0]))},
+        body={"a": {"solid": points}},
+        joint=free(),
+        gravity=[0, 0, -10],
+    )
     close(found["center_of_mass"], [1, 0, 0])
     close(found["kinetic_energy"], 0.5 * (1 * 9 * 4))
     close(found["angular_momentum"], [0, 0, 18])
@@ -139,11 +147,15 @@ def test_whole_turns():
     start = {"angle_deg": 800, "speed_rpm": 30}
     found = told(turned(np.radians(80), np.pi), body={"a": BALL}, joint=hinge(start=start))
     close([found["j.angle"], found["j.speed"]], [np.radians(800), np.pi])
-    close(told(turned(0.1, 0), body={"a": BALL}, joint=hinge(), hints={"j.angle": -12.4})["j.angle"], 0.1 - 4 * np.pi)
+    close(
+        told(turned(0.1, 0), body={"a": BALL}, joint=hinge(), hints={"j.angle": -12.4})["j.angle"],
+        0.1 - 4 * np.pi,
+    )
 
 
 def test_a_pendulum_and_its_reaction():
-    """A point of mass m at distance l, swinging at angle q from the vertical with speed w: what the pivot bears."""
+    """A point of mass m at distance l, swinging at angle q from the vertical with speed w:
+    what the pivot bears."""
     m, length, q, w, g = 2.0, 0.7, 0.4, 3.0, 9.0
     body = {"mass": m, "com": [0, 0, -length], "inertia": [0, 0, 0]}
     joint = {"j": {"revolute": {"axis": "x"}, "between": ["ground", "a"]}}
@@ -160,7 +172,9 @@ def test_a_slide_bears_a_moment_about_its_second_marker():
     """A cart whose weight is beside its rail."""
     body = {"mass": 2, "com": [0, 0.5, 0], "inertia": [0, 0, 0]}
     joint = {"j": {"prismatic": {"axis": "x"}, "between": ["ground", "a"]}}
-    found = told({"a": (np.array([3.0, 0, 0]), *REST[1:])}, body={"a": body}, joint=joint, gravity=[0, 0, -10])
+    found = told(
+        {"a": (np.array([3.0, 0, 0]), *REST[1:])}, body={"a": body}, joint=joint, gravity=[0, 0, -10]
+    )
     close(found["j.reaction_force"], [0, 0, 20])
     close(found["j.reaction_moment"], [10, 0, 0])
     close(found["ground.reaction_moment"], [-10, 60, 0])
@@ -184,7 +198,10 @@ def test_drivers(driver, position, speed, acceleration):
     """Torque: inertia times the acceleration that is asked for; the residual is what the body is off."""
     found = driven(**driver)
     close(found["j.driver_effort"], 0.6 * acceleration)
-    close(found["constraint residuals"][-1], 0.3 - position + 2 * np.pi * np.round((position - 0.3) / (2 * np.pi)))
+    close(
+        found["constraint residuals"][-1],
+        0.3 - position + 2 * np.pi * np.round((position - 0.3) / (2 * np.pi)),
+    )
     close(found["constraint rates"][-1], -speed)
 
 
@@ -232,26 +249,34 @@ def test_a_strut_pulls_where_it_is_long():
 
 
 def test_a_bushing_at_small_and_large_angles():
-    """Against the displacement; by a turn about z alone moment and angle are those of a torsion spring, at any angle."""
+    """Against the displacement; by a turn about z alone moment and angle are those of a torsion spring,
+    at any angle."""
     spec = {"stiffness": [1, 2, 3, 4, 5, 6], "damping": [0, 0, 0, 0, 0, 0.5]}
     motions = {"a": (np.array([0.1, 0.2, 0.3]), about("z", 2.5), np.zeros(3), np.array([0, 0, 2.0]))}
-    found = told(motions, body={"a": BALL}, joint=free(), force={"m": {"bushing": spec, "between": ["ground", "a"]}})
+    found = told(
+        motions, body={"a": BALL}, joint=free(), force={"m": {"bushing": spec, "between": ["ground", "a"]}}
+    )
     close(found["m.force"], [-0.1, -0.4, -0.9])
     close(found["m.moment"], [0, 0, -15 - 1])
     swung = {"a": (np.zeros(3), about("x", 1.2), np.zeros(3), np.zeros(3))}
-    found = told(swung, body={"a": BALL}, joint=free(), force={"m": {"bushing": spec, "between": ["ground", "a"]}})
+    found = told(
+        swung, body={"a": BALL}, joint=free(), force={"m": {"bushing": spec, "between": ["ground", "a"]}}
+    )
     close(found["m.rotation"], [1.2, 0, 0])
     close(found["m.moment"], [-4.8, 0, 0])
 
 
 @pytest.mark.parametrize("axes", ["first", "heading", "body"])
 def test_added_mass(axes):
-    """A hull of added masses (3, 5) that moves with (u, v) in its axes feels Munk's moment, but not where the mass keeps its axes."""
+    """A hull of added masses (3, 5) that moves with (u, v) in its axes feels Munk's moment,
+    but not where the mass keeps its axes."""
     q, u, v = 0.6, 2.0, 0.7
     A = about("z", q)
     motions = {"a": (np.zeros(3), A, A @ [u, v, 0], np.zeros(3))}
     water = {"added_mass": np.diag([3.0, 5, 0, 0, 0, 0]).tolist(), "axes": axes}
-    found = told(motions, body={"a": BALL}, joint=free(), force={"w": {"linear": water, "between": ["ground", "a"]}})
+    found = told(
+        motions, body={"a": BALL}, joint=free(), force={"w": {"linear": water, "between": ["ground", "a"]}}
+    )
     close(found["a.alpha"], [0, 0, (0 if axes == "first" else (3 - 5) * u * v / 0.6)])
     momentum = np.array([3, 5, 0]) * (A @ [u, v, 0]) if axes == "first" else A @ [3 * u, 5 * v, 0]
     close(found["linear_momentum"], 2 * A @ [u, v, 0] + momentum)
@@ -265,7 +290,12 @@ def test_loads_follow_their_frame_or_not():
 
 
 def test_central_gravity():
-    found = told({"a": (np.array([3.0, 4, 0]), *REST[1:])}, body={"a": BALL}, joint=free(), central_gravity={"mu": 50.0})
+    found = told(
+        {"a": (np.array([3.0, 4, 0]), *REST[1:])},
+        body={"a": BALL},
+        joint=free(),
+        central_gravity={"mu": 50.0},
+    )
     close(found["a.acceleration"], -np.array([3, 4, 0]) * 50 / 125)
     close(found["gravity_energy"], -50 * 2 / 5)
 

@@ -19,7 +19,8 @@ from .ways import Libraries, Way, model_of, run
 
 SPENT = "max_evaluations"
 
-# steps may pass over a jump of a force with an error that their estimate does not see: so many times as much is allowed there
+# steps may pass over a jump of a force with an error that their estimate does not see: so many times as much
+# is allowed there
 OF_KINKS = 30.0
 
 
@@ -52,7 +53,9 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
         model = model_of(data, Way())
     except SceneError as error:
         verdict.refused = str(error)
-        verdict.findings += [] if str(error).strip() else [Finding("not told", "reading", text="refused without a word")]
+        verdict.findings += (
+            [] if str(error).strip() else [Finding("not told", "reading", text="refused without a word")]
+        )
         return
 
     plan = plans.draw(seed, model)
@@ -67,7 +70,9 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
     if reference.refused is not None:
         verdict.refused = reference.refused
         findings += [
-            Finding("refused", str(other.way), text=f"runs, but the reference is refused: {reference.refused}")
+            Finding(
+                "refused", str(other.way), text=f"runs, but the reference is refused: {reference.refused}"
+            )
             for other in runs
             if other.refused is None and other.way.host == "process"
         ]
@@ -98,7 +103,11 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
 
 def _precision(data, model, reference):
     """How exact a start is, m and rad: loops close to their tolerance, or not quite."""
-    gaps = [float(size) for text in reference.notices for size in re.findall(r"does not quite close.* stay (\S+) m", text)]
+    gaps = [
+        float(size)
+        for text in reference.notices
+        for size in re.findall(r"does not quite close.* stay (\S+) m", text)
+    ]
     turns = [float(size) for text in reference.notices for size in re.findall(r"turned by (\S+) rad", text)]
     closes = data.get("solver", {}).get("closing_tolerance", 1e-9) if model.n_row else 0.0
     return max([closes, *gaps, *turns]) if gaps else closes
@@ -179,7 +188,9 @@ def _second_route(data, plan, reference, ignored, verdict):
     try:
         verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count)
     except Exception:
-        verdict.findings.append(Finding("second route", str(reference.way), text=traceback.format_exc().strip()))
+        verdict.findings.append(
+            Finding("second route", str(reference.way), text=traceback.format_exc().strip())
+        )
 
 
 def _dependence(model, plan, findings):
@@ -192,7 +203,8 @@ def _dependence(model, plan, findings):
 
 
 def undetermined(scene):
-    """Groups of outputs that rigid bodies do not determine: reactions, efforts and powers of joints that share a load."""
+    """Groups of outputs that rigid bodies do not determine: reactions,
+    efforts and powers of joints that share a load."""
     from mbdfmi.scene import fmi_name
     from mbdfmi.structure import structure
 
@@ -201,7 +213,10 @@ def undetermined(scene):
     except (SceneError, SimulationError):
         return set()
 
-    endings = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body", "effort", "driver_effort", "power")
+    endings = (
+        "reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body", "effort",
+        "driver_effort", "power",
+    )  # fmt: skip
     return {f"{fmi_name(owner)}.{ending}" for owner in owners for ending in (*endings, "efforts")}
 
 

@@ -1,7 +1,8 @@
-"""How a scene is run: formulation, stepper, tolerance, communication steps, in process or as FMU, from snapshots, after a reset.
+"""How a scene is run: formulation, stepper, tolerance, communication steps, in process or as FMU,
+from snapshots, after a reset.
 
-`run` gives all outputs at every communication point. At a shared point of the plan, where inputs and parameters jump, they are
-read twice: before (ARRIVING) and after (LEAVING).
+`run` gives all outputs at every communication point. At a shared point of the plan,
+where inputs and parameters jump, they are read twice: before (ARRIVING) and after (LEAVING).
 """
 
 import _ctypes
@@ -41,13 +42,14 @@ class Way:
 
     step : s, of steppers with a fixed step. pattern : of communication steps, see `plan.pieces`.
     host : "process", "fmu", or "simulate", the function a user calls.
-    memory : "restore" (a snapshot taken in mid-run is gone back to), "serialise" (another instance goes on from its bytes), "reset",
-        "second" (beside another instance of the same library that does otherwise).
+    memory : "restore" (a snapshot taken in mid-run is gone back to), "serialise" (another instance goes on
+        from its bytes), "reset", "second" (beside another instance of the same library that does otherwise).
     interpreted : kernels as plain Python, in a process of their own.
     exact : no inner step goes across a communication point, so nothing is read off between inner steps.
     plain : with the scene's own outputs, not all there are.
     kick : seed of small changes of the state at every shared point, which tell how much an error grows.
-    evaluations : as many as a communication step may cost. seconds : s of wall time after which the run ends where it is.
+    evaluations : as many as a communication step may cost. seconds :
+    s of wall time after which the run ends where it is.
     """
 
     formulation: str = "recursive"
@@ -68,13 +70,22 @@ class Way:
     def __str__(self):
         of_step = f"step {self.step:.3g}" if self.step else f"tolerance {self.tolerance:g}"
         more = [f"max_step {self.max_step:.3g}" if self.max_step else "", self.memory or ""]
-        more += ["own outputs" if self.plain else "", "interpreted" if self.interpreted else "", "exact" if self.exact else "", f"kick {self.kick}" if self.kick else ""]
+        more += [
+            "own outputs" if self.plain else "",
+            "interpreted" if self.interpreted else "",
+            "exact" if self.exact else "",
+            f"kick {self.kick}" if self.kick else "",
+        ]
         pattern = " ".join(map(str, self.pattern))
         return " ".join(filter(None, [self.host, self.formulation, self.integrator, of_step, pattern, *more]))
 
     def solver(self):
         """Keys of the scene's solver."""
-        table = {"formulation": self.formulation, "integrator": self.integrator, "max_evaluations": self.evaluations}
+        table = {
+            "formulation": self.formulation,
+            "integrator": self.integrator,
+            "max_evaluations": self.evaluations,
+        }
 
         if self.step:
             return table | {"step": self.step}
@@ -88,8 +99,8 @@ class Run:
     """What came of a way.
 
     names : of the outputs. times : s, (n,). phases : (n,), ARRIVING or LEAVING. values : (n, n_y).
-    notices : as told to a user. start : rows are there. stopped : why the run ended early, None if it did not, and refused : why there
-    was none. crashed : a traceback of what is no message to a user.
+    notices : as told to a user. start : rows are there. stopped : why the run ended early, None if it did
+    not, and refused : why there was none. crashed : a traceback of what is no message to a user.
     """
 
     way: Way
@@ -124,7 +135,9 @@ def listed(value):
 
 def scene_of(data, way):
     """The `Scene` of a way. Raises SceneError."""
-    solver = {key: value for key, value in data.get("solver", {}).items() if key in ("closing_tolerance", "output")}
+    solver = {
+        key: value for key, value in data.get("solver", {}).items() if key in ("closing_tolerance", "output")
+    }
 
     if way.step and "output" in solver:
         solver["output"] = [name for name in listed(solver["output"]) if name != "estimated_error"]
@@ -449,7 +462,9 @@ class _Component:
 
     def notices(self):
         """Warnings, and what steps tell, in the log."""
-        return [text for status, _, text in self.component.log if status == WARNING or text.startswith("step at")]
+        return [
+            text for status, _, text in self.component.log if status == WARNING or text.startswith("step at")
+        ]
 
     def work(self):
         return 0.0, 0.0

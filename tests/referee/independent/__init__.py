@@ -1,13 +1,14 @@
 """A second route to the motion of a scene over the whole schema, that shares nothing with the package.
 
-It reads the dict of a scene's TOML file by docs/scene.md alone and writes down the textbook: absolute coordinates of
-every body, each joint a few equations between two frames, one dense system [M C^T; C 0] for accelerations and
-multipliers (Haug 1989, section 11.3). There is no tree, there are no joint coordinates and no spatial shifts: fixed
-joints stay joints, and what the ground bears is what its joints say. Each equation is written once, as of positions (or of
-velocities, where something rolls); its Jacobian and its second derivative come from CasADi's automatic differentiation.
+It reads the dict of a scene's TOML file by docs/scene.md alone and writes down the textbook: absolute
+coordinates of every body, each joint a few equations between two frames, one dense system [M C^T; C 0] for
+accelerations and multipliers (Haug 1989, section 11.3). There is no tree, there are no joint coordinates and
+no spatial shifts: fixed joints stay joints, and what the ground bears is what its joints say. Each equation
+is written once, as of positions (or of velocities, where something rolls); its Jacobian and its second
+derivative come from CasADi's automatic differentiation.
 
-The dense system is solved by its singular values. Solutions that it leaves open, as reactions of redundant joints, are
-known as such, and what depends on them is not told.
+The dense system is solved by its singular values. Solutions that it leaves open,
+as reactions of redundant joints, are known as such, and what depends on them is not told.
 
     reading        units, axes, orientations, names; the scene in SI units
     mass           solids to mass properties

@@ -12,7 +12,8 @@ COUNT = {"point_on_curve": 1, "curve_on_curve": 2, "point_on_surface": 2}
 
 
 def equations(kind, pair, acceleration, tau):
-    """(what is 0 over tau, the symbols of rates of s and of derivatives of the shapes). acceleration : second rates of s."""
+    """(what is 0 over tau, the symbols of rates of s and of derivatives of the shapes). acceleration :
+    second rates of s."""
     rate = ca.SX.sym("s_rate", COUNT[kind])
     step = rate * tau + acceleration * tau**2 / 2
     symbols, points = [rate], []
@@ -20,7 +21,9 @@ def equations(kind, pair, acceleration, tau):
     if kind == "point_on_surface":
         D = ca.SX.sym("surface", 3, 6)
         u, v = step[0], step[1]
-        point = D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
+        point = (
+            D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
+        )
         return touching(kind, pair, [(point, None)]), ca.vertcat(rate, ca.vec(D))
 
     for k in range(COUNT[kind]):
@@ -48,24 +51,30 @@ class Contact:
         if self.on_surface:
             return np.concatenate([rate, self.shapes[0].derivatives(*s).ravel()])
 
-        return np.concatenate([rate, *(shape.derivatives(s[k]).ravel() for k, shape in enumerate(self.shapes))])
+        return np.concatenate(
+            [rate, *(shape.derivatives(s[k]).ravel() for k, shape in enumerate(self.shapes))]
+        )
 
     # where they touch
 
     def find(self, pair, near):
-        """Parameters s (count,) of the closest point, or of the common tangent; near : where to begin, None: searched for."""
+        """Parameters s (count,) of the closest point, or of the common tangent; near : where to begin, None:
+        searched for."""
         (r1, A1, _, _), (r2, A2, _, _) = pair
         d, R = A1.T @ (r2 - r1), A1.T @ A2
         if near is not None and (s := self._newton(np.ravel(near), d, R)) is not None:
             return s
 
         near = self._search(d, R) if near is None else np.ravel(near)
-        found = least_squares(lambda s: self._apart(s, d, R)[0], near, lambda s: self._apart(s, d, R)[1], xtol=1e-15, gtol=1e-15)
+        found = least_squares(
+            lambda s: self._apart(s, d, R)[0], near, lambda s: self._apart(s, d, R)[1], xtol=1e-15, gtol=1e-15
+        )
         s = self._newton(found.x, d, R)
         return found.x if s is None else s
 
     def _newton(self, s, d, R):
-        """The parameters near s where `_apart` is 0, to rounding; None where that does not lead anywhere near."""
+        """The parameters near s where `_apart` is 0, to rounding;
+        None where that does not lead anywhere near."""
         for _ in range(12):
             value, slope = self._apart(s, d, R)
             step = -np.linalg.lstsq(slope, value, rcond=1e-13)[0]
@@ -77,7 +86,8 @@ class Contact:
         return s if np.abs(step).max() <= 1e-9 * (1.0 + np.abs(s).max()) else None
 
     def _apart(self, s, d, R):
-        """(what is 0 at the parameters, its Jacobian): distances along the tangents, and the angle between two curves."""
+        """(what is 0 at the parameters, its Jacobian): distances along the tangents,
+        and the angle between two curves."""
         if self.joint.kind == "curve_on_curve":
             here, there = self.shapes[0].derivatives(s[0]), self.shapes[1].derivatives(s[1]) @ R.T
             apart = d + there[0] - here[0]
@@ -100,8 +110,12 @@ class Contact:
     def _search(self, d, R):
         """The best of many parameters."""
         if self.joint.kind == "curve_on_curve":
-            grids = np.array([[a, b] for a in self.shapes[0].samples(d, 60) for b in self.shapes[1].samples(R.T @ d, 60)])
-            here, there = ([shape.derivatives(s) for s in column] for shape, column in zip(self.shapes, grids.T))
+            grids = np.array(
+                [[a, b] for a in self.shapes[0].samples(d, 60) for b in self.shapes[1].samples(R.T @ d, 60)]
+            )
+            here, there = (
+                [shape.derivatives(s) for s in column] for shape, column in zip(self.shapes, grids.T)
+            )
             gaps = [np.linalg.norm((d + R @ b[0] - a[0])[:2]) for a, b in zip(here, there)]
         elif self.on_surface:
             grids = self.shapes[0].samples(d)

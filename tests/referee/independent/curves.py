@@ -22,7 +22,11 @@ class Curve:
         self.closed = options.get("closed", False)
         points = np.vstack([points, points[:1]]) if self.closed else points
         s = options.get("s")
-        self.s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))) if s is None else np.array(s, float)
+        self.s = (
+            np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+            if s is None
+            else np.array(s, float)
+        )
         self.spline = CubicSpline(self.s, points, bc_type="periodic" if self.closed else "not-a-knot")
 
     def derivatives(self, s):

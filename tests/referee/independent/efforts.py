@@ -7,13 +7,16 @@ from .reading import si
 
 
 class Elastic:
-    """An effort over a position or a speed: linear from a rest, or by a table. Its energy is 0 at the rest."""
+    """An effort over a position or a speed: linear from a rest, or by a table.
+    Its energy is 0 at the rest."""
 
     def __init__(self, factor=0.0, rest=0.0, table=None, keys=("position", "effort")):
         self.factor, self.rest, self.table = factor, rest, None
 
         if table is not None:
-            self.table = Table(table.get("interpolation", "linear"), si(table, keys[0]), table[keys[1]], beyond="straight")
+            self.table = Table(
+                table.get("interpolation", "linear"), si(table, keys[0]), table[keys[1]], beyond="straight"
+            )
             self.rest = self.table.first_zero()
 
     def __call__(self, x):
@@ -29,14 +32,16 @@ class Elastic:
 
 
 def friction(spec, speed):
-    """Effort against a speed: coulomb, static fading by 1/e at the Stribeck speed, smooth about standstill, viscous."""
+    """Effort against a speed: coulomb, static fading by 1/e at the Stribeck speed, smooth about standstill,
+    viscous."""
     fade = np.exp(-((speed / spec["stribeck_speed"]) ** 2))
     dry = spec["coulomb"] + (spec["static"] - spec["coulomb"]) * fade
     return dry * np.tanh(speed / spec["smoothing_speed"]) + spec["viscous"] * speed
 
 
 def stop(spec, x, speed):
-    """(elastic effort, damping effort) against going on beyond an end: both together push, and do not pull back."""
+    """(elastic effort, damping effort) against going on beyond an end: both together push,
+    and do not pull back."""
     beyond = max(0.0, x - spec["upper"]) - max(0.0, spec["lower"] - x)
     elastic = spec["stiffness"] * beyond
     total = elastic + spec["damping"] * speed
@@ -58,7 +63,9 @@ class JointParts:
         if spring and spring.get("table") is not None:
             self.spring = Elastic(table=spring["table"], keys=keys[0])
         elif spring:
-            self.spring = Elastic(given(spring["stiffness"], name, "stiffness"), given(si(spring, "rest", 0.0), name, "rest"))
+            self.spring = Elastic(
+                given(spring["stiffness"], name, "stiffness"), given(si(spring, "rest", 0.0), name, "rest")
+            )
 
         if isinstance(damper, dict):
             self.damper = Elastic(table=damper["table"], keys=keys[1])
@@ -66,11 +73,19 @@ class JointParts:
             self.damper = Elastic(given(damper, name, "damper"))
 
         if spec := joint.get("friction"):
-            values = {"stribeck_speed": 0.1, "viscous": 0.0, "smoothing_speed": 3.7e-7, "static": spec["coulomb"]} | spec
+            values = {
+                "stribeck_speed": 0.1,
+                "viscous": 0.0,
+                "smoothing_speed": 3.7e-7,
+                "static": spec["coulomb"],
+            } | spec
             self.friction = {key: given(value, name, "friction", key) for key, value in values.items()}
 
         if spec := joint.get("stop"):
-            values = {key: si(spec, key, default) for key, default in (("lower", -np.inf), ("upper", np.inf), ("damping", 0.0))}
+            values = {
+                key: si(spec, key, default)
+                for key, default in (("lower", -np.inf), ("upper", np.inf), ("damping", 0.0))
+            }
             values["stiffness"] = spec["stiffness"]
             self.stop = {key: given(value, name, "stop", key) for key, value in values.items()}
 

@@ -24,7 +24,9 @@ class Strut:
         self.has_input = "force" in listed(force.get("input"))
         table, damping = spec.get("table"), spec.get("damping", 0.0)
         rest = spec.get("rest_length")
-        self.rest_is_of_start = table is None and rest is None and dotted(name, "rest_length") not in given.values
+        self.rest_is_of_start = (
+            table is None and rest is None and dotted(name, "rest_length") not in given.values
+        )
 
         if table is not None:
             self.spring = Elastic(table=table, keys=("length", "force"))
@@ -58,9 +60,12 @@ class Six:
         self.adds = bool(np.any(self.added))
 
     def own_axes(self, turned, yaw):
-        """Rotation to the first frame's axes of those that damping and added mass are given in. turned : of the second frame."""
+        """Rotation to the first frame's axes of those that damping and added mass are given in. turned :
+        of the second frame."""
         c, s = np.cos(yaw), np.sin(yaw)
-        return {"first": np.eye(3), "body": turned, "heading": np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])}[self.axes]
+        return {"first": np.eye(3), "body": turned, "heading": np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])}[
+            self.axes
+        ]
 
     def elastic(self, moved):
         """Generalised forces along (d, rx, ry, rz) of stiffness and preload."""
@@ -80,7 +85,8 @@ class Six:
         return -self.drag(seen, turned, yaw) @ seen + (moving @ self.K @ moved - moved @ self.K @ moving) / 2
 
     def water(self, seen, turned, yaw, yaw_slope):
-        """(A, h): the added mass resists with A V' + h to (force, moment), in the first frame's axes; V = seen velocities.
+        """(A, h): the added mass resists with A V' + h to (force, moment), in the first frame's axes;
+        V = seen velocities.
 
         yaw_slope : the rate of the yaw is yaw_slope . w.
         """
@@ -101,7 +107,9 @@ class Six:
         # the Lagrangian of the yaw: d/dt (A V) less the slope of V.A V / 2
         Z = np.kron(np.eye(2), np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 0]]))
         slope = Z @ A - A @ Z
-        return A, (yaw_slope @ w) * slope @ seen - np.concatenate([np.zeros(3), seen @ slope @ seen / 2 * yaw_slope])
+        return A, (yaw_slope @ w) * slope @ seen - np.concatenate(
+            [np.zeros(3), seen @ slope @ seen / 2 * yaw_slope]
+        )
 
 
 class Load:
@@ -120,7 +128,10 @@ class Load:
 
             if table is not None:
                 read = spec["table"].get("interpolation", "linear")
-                columns = [Table(read, spec["table"]["time"], column, beyond="hold") for column in np.array(table, float).T]
+                columns = [
+                    Table(read, spec["table"]["time"], column, beyond="hold")
+                    for column in np.array(table, float).T
+                ]
                 self.parts.append(lambda t, columns=columns: np.array([column(t)[0] for column in columns]))
             else:
                 value = given(np.array(spec.get(key) or np.zeros(3), float), name, key)

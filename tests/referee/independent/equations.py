@@ -1,4 +1,5 @@
-"""The equations of each kind of joint, and of a 6x6 element, compiled once: functions of two owners and of numbers."""
+"""The equations of each kind of joint, and of a 6x6 element, compiled once:
+functions of two owners and of numbers."""
 
 from functools import cache
 
@@ -18,7 +19,8 @@ STILL = np.concatenate([np.zeros(3), np.eye(3).ravel(), np.zeros(6)])
 def of_kind(kind):
     """Signals of two frames at poses in their owners; the accelerations are the two owners', then those of s.
 
-    Joints: "coordinates", "joint" (what is 0 of positions), "slip" (of velocities). 6x6 elements: "moved", "seen".
+    Joints: "coordinates", "joint" (what is 0 of positions), "slip" (of velocities). 6x6 elements: "moved",
+    "seen".
     """
     tau = ca.SX.sym("tau")
     n_s = contacts.COUNT.get(kind, 0)

@@ -36,7 +36,8 @@ class Hints:
         return None
 
     def number(self, name, output, element=None):
-        """A number, or an element of an array; None too where another part of that name tells something else."""
+        """A number, or an element of an array; None too where another part of that name tells something
+        else."""
         found = self(name, output)
 
         if found is None or (found.ndim == 0) != (element is None):
@@ -53,7 +54,8 @@ class Hints:
 class Instant:
     """The system at one instant: what moves, what acts, and what follows.
 
-    x : accelerations of all owners (6 each: of the origin, angular), second rates of the parameters s, multipliers.
+    x : accelerations of all owners (6 each: of the origin, angular), second rates of the parameters s,
+    multipliers.
     open : directions (k, len(x)) that the equations leave open, or commands whose acceleration is not known.
     """
 
@@ -96,7 +98,8 @@ class Instant:
         return self._frames[end]
 
     def _see(self):
-        """Equations of all joints and elements, with the parameters s where end frames touch and their rates."""
+        """Equations of all joints and elements,
+        with the parameters s where end frames touch and their rates."""
         system = self.system
         self.s, self.s_rate, self.values = {}, {}, {}
         at = 6 * len(system.owners)
@@ -117,7 +120,9 @@ class Instant:
             (_, A1, _, _), (_, A2, _, _) = (self.frame(end) for end in e.ends)
             R = A1.T @ A2
             E = Rotation.from_matrix(R).as_quat()
-            found, owners = system.signals(self.motions, SIX, e.ends, np.concatenate([R.ravel(), E if E[3] >= 0 else -E]))
+            found, owners = system.signals(
+                self.motions, SIX, e.ends, np.concatenate([R.ravel(), E if E[3] >= 0 else -E])
+            )
             self._keep(e.name, system.spread(found, owners))
 
     def _keep(self, name, found):
@@ -153,9 +158,15 @@ class Instant:
         if joint.kind == "screw":
             return 2 * np.pi * q[0] / joint.options["pitch"]
 
-        if joint.driver and self.system.started and ("q" in self.system.started or not joint.driver.starts_here):
+        if (
+            joint.driver
+            and self.system.started
+            and ("q" in self.system.started or not joint.driver.starts_here)
+        ):
             start = self.system.started.get("q", {}).get(joint.name, [0.0])
-            return joint.driver.target(self.t, (start[0], self.system.started["time"]), self.inputs, (None,) * 3)[0]
+            return joint.driver.target(
+                self.t, (start[0], self.system.started["time"]), self.inputs, (None,) * 3
+            )[0]
 
         start = si(joint.start, output, 0.0)
 
@@ -189,7 +200,8 @@ class Instant:
     # what acts
 
     def _act(self):
-        """Generalised forces of all that is applied, mass matrix and what products of velocities make, on all owners."""
+        """Generalised forces of all that is applied, mass matrix and what products of velocities make,
+        on all owners."""
         system = self.system
         n = system.width
         self.M = np.zeros((n, n))
@@ -210,7 +222,10 @@ class Instant:
             {"spring_damper": self._add_strut, "load": self._add_load}.get(e.kind, self._add_six)(e)
 
         for name, body in system.data.get("body", {}).items():
-            for path, table in (((name,), body), *(((name, key), m) for key, m in body.get("marker", {}).items())):
+            for path, table in (
+                ((name,), body),
+                *(((name, key), m) for key, m in body.get("marker", {}).items()),
+            ):
                 self._add_inputs(path, table)
 
         for force in self.inside.values():
@@ -250,11 +265,15 @@ class Instant:
                 (_, A1, _, w1), (_, _, _, w2) = self.frame(first), self.frame(second)
                 torque = A1 @ self.inputs(name, "torque", size=3)[0]
                 on = self.system.wrench_on(self.motions, second, np.zeros(3), torque)
-                self.inside[name] += self._padded(on - self.system.wrench_on(self.motions, first, np.zeros(3), torque))
+                self.inside[name] += self._padded(
+                    on - self.system.wrench_on(self.motions, first, np.zeros(3), torque)
+                )
                 self.input_power += torque @ (w2 - w1)
                 continue
 
-            k = next(k for k, (_, _, angular) in enumerate(joint.coordinates) if angular == (what == "torque"))
+            k = next(
+                k for k, (_, _, angular) in enumerate(joint.coordinates) if angular == (what == "torque")
+            )
             effort = self.inputs(name, what)[0]
             self.inside[name] += effort * J[k]
             self.input_power += effort * self.rate[name][k]
@@ -320,7 +339,8 @@ class Instant:
         _, A, v, w = self.frame(".".join(path))
         A = A if table.get("input_axes", "inertial") == "body" else np.eye(3)
         force, moment = (
-            A @ self.inputs(*path, what, size=3)[0] if what in told else np.zeros(3) for what in ("force", "moment")
+            A @ self.inputs(*path, what, size=3)[0] if what in told else np.zeros(3)
+            for what in ("force", "moment")
         )
         self.pull += self._padded(self.system.wrench_on(self.motions, ".".join(path), force, moment))
         self.input_power += force @ v + moment @ w
@@ -351,12 +371,20 @@ class Instant:
 
             if joint.kind == "screw":
                 h = joint.options["pitch"] / (2 * np.pi)
-                add(name, J[0] - h * J[1], q_bias[0] - h * q_bias[1], q[0] - h * q[1], q_rate[0] - h * q_rate[1])
+                add(
+                    name,
+                    J[0] - h * J[1],
+                    q_bias[0] - h * q_bias[1],
+                    q[0] - h * q[1],
+                    q_rate[0] - h * q_rate[1],
+                )
 
             if joint.driver:
                 started = self.system.started
                 seen = q[0], q_rate[0], self.hints.number(name, "acceleration")
-                x, speed, acceleration = joint.driver.target(self.t, (started["q"][name][0], started["time"]), self.inputs, seen)
+                x, speed, acceleration = joint.driver.target(
+                    self.t, (started["q"][name][0], started["time"]), self.inputs, seen
+                )
 
                 # a command of which nobody knows how it goes on
                 if acceleration is None:
@@ -366,12 +394,23 @@ class Instant:
 
         for name, coupling in self.system.couplings.items():
             (q1, b1, J1, d1), (q2, b2, J2, d2) = (
-                (self.q[j][0], self.values["coordinates", j][2][0], self.values["coordinates", j][3][0], self.rate[j][0])
+                (
+                    self.q[j][0],
+                    self.values["coordinates", j][2][0],
+                    self.values["coordinates", j][3][0],
+                    self.rate[j][0],
+                )
                 for j in coupling.between
             )
             ratio = coupling.ratio
             offset = self.system.started["offset"][name] if coupling.offset is None else coupling.offset
-            add(("coupling", name), J2 - ratio * J1, b2 - ratio * b1, q2 - ratio * q1 - offset, d2 - ratio * d1)
+            add(
+                ("coupling", name),
+                J2 - ratio * J1,
+                b2 - ratio * b1,
+                q2 - ratio * q1 - offset,
+                d2 - ratio * d1,
+            )
 
         width = self.system.width
         self.C = np.vstack([C for C, *_ in self.rows]) if self.rows else np.zeros((0, width))
@@ -380,7 +419,8 @@ class Instant:
         )
 
     def _rest(self, name, joint, count):
-        """What a joint's equations of positions are where it holds; far off where frames stand the wrong way round."""
+        """What a joint's equations of positions are where it holds;
+        far off where frames stand the wrong way round."""
         rest = np.zeros(count)
         (_, A1, _, _), (_, A2, _, _) = (self.frame(end) for end in joint.ends)
 
@@ -432,7 +472,8 @@ class Instant:
 
 
 def _body_matrix(mass, c, J):
-    """(6, 6) of a body about its origin, c : its centre of mass from there: force and moment of (a, alpha)."""
+    """(6, 6) of a body about its origin, c : its centre of mass from there:
+    force and moment of (a, alpha)."""
     cross = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, J]])
 

@@ -17,7 +17,8 @@ def steps(x, y):
 
 
 def cubic(x, y):
-    """The spline with its third derivative continuous next to the ends; of few points the polynomial through them."""
+    """The spline with its third derivative continuous next to the ends;
+    of few points the polynomial through them."""
     if len(x) < 4:
         c = np.polynomial.Polynomial.fit(x, y, len(x) - 1, domain=[0, 1], window=[0, 1])
         pieces = [c.deriv(k) if k else c for k in range(4)]
@@ -33,7 +34,8 @@ READINGS = {
 
 
 class Table:
-    """A quantity over an argument. beyond : what it does beyond its ends, go on "straight" or "hold" its end values."""
+    """A quantity over an argument. beyond : what it does beyond its ends,
+    go on "straight" or "hold" its end values."""
 
     def __init__(self, interpolation, x, y, beyond):
         self.x, self.y = np.asarray(x, float), np.asarray(y, float)

@@ -1,6 +1,7 @@
 """The equations of each kind of joint between two frames, and its coordinates.
 
-Of positions: 0 where the joint holds. Of velocities: 0 where rolling does not slip. All as functions of a `Pair` over tau.
+Of positions: 0 where the joint holds. Of velocities: 0 where rolling does not slip.
+All as functions of a `Pair` over tau.
 """
 
 import casadi as ca
@@ -18,7 +19,8 @@ KINDS = (
 # joints of one freedom: their coordinate and its rate
 SINGLE = {"revolute": "angle", "prismatic": "position"}
 
-# coordinates in the order of the start values: (name, name of the rate, whether an angle); several of one name are an array
+# coordinates in the order of the start values: (name, name of the rate, whether an angle); several of one
+# name are an array
 COORDINATES = {
     "revolute": [("angle", "speed", True)],
     "prismatic": [("position", "speed", False)],
@@ -35,7 +37,8 @@ GEOMETRY = 11
 
 
 def joint_axis(kind, options):
-    """The unit vector (3,) that a joint's equations are about: of a universal joint the first, of an edge the lateral one."""
+    """The unit vector (3,) that a joint's equations are about: of a universal joint the first,
+    of an edge the lateral one."""
     if kind == "universal":
         return universal_axes(options)[0]
 
@@ -49,7 +52,8 @@ def universal_axes(options):
 
 
 def geometry(kind, options):
-    """(10,): the axis u, axes x and y across it (of a universal joint x is the second axis), radius; the side comes behind."""
+    """(10,): the axis u, axes x and y across it (of a universal joint x is the second axis), radius;
+    the side comes behind."""
     u = joint_axis(kind, options)
     x, y = plane_axes(u)[:, :2].T
 
@@ -116,8 +120,8 @@ def constraints(kind, geometry, pair):
 
 
 def is_turned_over(kind, options, R):
-    """Whether R (3, 3), of the second frame in the first, is where the equations are 0 but the frames do not fit: axes the wrong
-    way round, or frames that should be parallel turned by 120 or 180 degrees."""
+    """Whether R (3, 3), of the second frame in the first, is where the equations are 0 but the frames do not
+    fit: axes the wrong way round, or frames that should be parallel turned by 120 or 180 degrees."""
     if kind in ("fixed", "prismatic", "translation"):
         return np.trace(R) < 2.0
 
@@ -126,7 +130,8 @@ def is_turned_over(kind, options, R):
 
 
 def rolling(kind, geometry, pair):
-    """(height of the lowest point over the plane z = 0 of the first frame, its slip along x and y) of what rolls there."""
+    """(height of the lowest point over the plane z = 0 of the first frame, its slip along x and y) of what
+    rolls there."""
     first, second = pair.first, pair.second
     out = normal = first.A[:, 2]
 
@@ -143,8 +148,8 @@ def rolling(kind, geometry, pair):
 
 
 def touching(kind, pair, curves):
-    """What is 0 of positions where end frames touch. curves : points of the shapes over tau, in their own frames, with the
-    curves' tangents."""
+    """What is 0 of positions where end frames touch. curves : points of the shapes over tau,
+    in their own frames, with the curves' tangents."""
     if kind != "curve_on_curve":
         return pair.d - curves[0][0]
 

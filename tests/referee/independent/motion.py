@@ -20,12 +20,16 @@ class Inputs:
         self.values = values or {}
 
     def __call__(self, *names, size=None):
-        """(orders, size) of an input's value and derivatives, at least three, zeros where not given; size None: a scalar."""
+        """(orders, size) of an input's value and derivatives, at least three, zeros where not given;
+        size None: a scalar."""
         name = dotted(*names)
         found = self.values.get(name, self.values.get(".".join(names)))
 
         if found is None and size and f"{name}[1]" in self.values:
-            found = np.stack([np.atleast_1d(np.asarray(self.values[f"{name}[{k + 1}]"], float)) for k in range(size)], axis=-1)
+            found = np.stack(
+                [np.atleast_1d(np.asarray(self.values[f"{name}[{k + 1}]"], float)) for k in range(size)],
+                axis=-1,
+            )
 
         found = np.zeros(size or 1) if found is None else np.asarray(found, float)
         found = found.reshape(-1, size or 1)
@@ -43,23 +47,32 @@ class Driver:
 
     def __init__(self, given, name, spec, quantity):
         self.name, self.spec, self.quantity = name, spec, quantity
-        self.starts_here = any(key in spec for key in ("hold", "speed_table")) or si(spec, "constant_speed") is not None
+        self.starts_here = (
+            any(key in spec for key in ("hold", "speed_table")) or si(spec, "constant_speed") is not None
+        )
 
         if si(spec, "constant_speed") is not None:
             self.speed = given(si(spec, "constant_speed"), name, "speed_driven")
         elif wave := spec.get("harmonic", spec.get("harmonics")):
             self._waves(given, wave)
         elif "polynomial" in spec:
-            self.powers = given(np.array(si(spec["polynomial"], "coefficients")), name, "driver", "coefficients")
+            self.powers = given(
+                np.array(si(spec["polynomial"], "coefficients")), name, "driver", "coefficients"
+            )
         elif "ramp" in spec:
             time, place = spec["ramp"]["time"], si(spec["ramp"], "position")
             self.ramp = [
-                [given(values[k], name, "driver", f"{what}_{end}") for what, values in (("time", time), (quantity, place))]
+                [
+                    given(values[k], name, "driver", f"{what}_{end}")
+                    for what, values in (("time", time), (quantity, place))
+                ]
                 for k, end in enumerate(("begin", "end"))
             ]
         elif table := spec.get("table", spec.get("speed_table")):
             key = "position" if "table" in spec else "speed"
-            self.table = Table(table.get("interpolation", "smooth"), table["time"], si(table, key), beyond="hold")
+            self.table = Table(
+                table.get("interpolation", "smooth"), table["time"], si(table, key), beyond="hold"
+            )
 
     def _waves(self, given, wave):
         """One wave or several: a parameter of several has indices."""
@@ -67,15 +80,26 @@ class Driver:
         many = np.ndim(wave["frequency"]) > 0
         phases = si(wave, "phase", np.zeros(count) if many else 0.0)
         columns = {"amplitude": si(wave, "amplitude"), "frequency": wave["frequency"], "phase": phases}
-        columns = {key: given(np.array(value) if many else value, self.name, "driver", key) for key, value in columns.items()}
+        columns = {
+            key: given(np.array(value) if many else value, self.name, "driver", key)
+            for key, value in columns.items()
+        }
         self.mean = given(si(wave, "mean", 0.0), self.name, "driver", "mean")
-        self.waves = np.column_stack([np.atleast_1d(columns[key]) for key in ("amplitude", "frequency", "phase")])
+        self.waves = np.column_stack(
+            [np.atleast_1d(columns[key]) for key in ("amplitude", "frequency", "phase")]
+        )
 
     @property
     def told(self):
         """What inputs command: some of JOINT."""
         told = self.spec.get("input")
-        return () if not told else JOINT if told is True else ["position" if what == "angle" else what for what in told]
+        return (
+            ()
+            if not told
+            else JOINT
+            if told is True
+            else ["position" if what == "angle" else what for what in told]
+        )
 
     def target(self, t, start, inputs, seen):
         """(position, rate, second rate) at t; None where inputs tell too little.
@@ -117,7 +141,8 @@ class Driver:
         return self._commanded(inputs, seen)
 
     def _commanded(self, inputs, seen):
-        """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told, where these are given."""
+        """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told,
+        where these are given."""
         names = {"position": self.quantity}
         found = []
 
@@ -200,12 +225,21 @@ class Ground:
     def told(self):
         """What inputs command."""
         told = self.spec.get("input")
-        return () if not told else GROUND if told is True else ["velocity" if what == "speed" else what for what in told]
+        return (
+            ()
+            if not told
+            else GROUND
+            if told is True
+            else ["velocity" if what == "speed" else what for what in told]
+        )
 
     def at(self, t, inputs, seen=None):
-        """The motion at t. seen : a motion (r, A, v, w, a, alpha), of which what inputs do not tell is taken."""
+        """The motion at t. seen : a motion (r, A, v, w, a, alpha),
+        of which what inputs do not tell is taken."""
         if "acceleration" in self.spec:
-            a, v, r = (np.array(self.spec.get(key, ZERO), float) for key in ("acceleration", "velocity", "position"))
+            a, v, r = (
+                np.array(self.spec.get(key, ZERO), float) for key in ("acceleration", "velocity", "position")
+            )
             return r + v * t + a * t * t / 2, np.eye(3), v + a * t, ZERO, a, ZERO
 
         if "rotation" in self.spec:

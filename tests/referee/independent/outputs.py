@@ -13,8 +13,8 @@ UPRIGHT = 1e-5
 
 
 def tell(system, now):
-    """Outputs by name; those that the equations leave open, as reactions of redundant joints, and those without a value, as of
-    a bushing's twist at a swing by 180 degrees, are left out."""
+    """Outputs by name; those that the equations leave open, as reactions of redundant joints,
+    and those without a value, as of a bushing's twist at a swing by 180 degrees, are left out."""
     told = {name: value for name, value in _told(system, now, now.x).items() if np.isfinite(value).all()}
 
     if now.undecided is not None:
@@ -37,7 +37,10 @@ def _told(system, now, x):
     seen = Motions(system, now, acceleration)
 
     for body, table in system.data.get("body", {}).items():
-        for path, spec in (((body,), table), *(((body, key), spec) for key, spec in table.get("marker", {}).items())):
+        for path, spec in (
+            ((body,), table),
+            *(((body, key), spec) for key, spec in table.get("marker", {}).items()),
+        ):
             _tell_marker(told, seen, now, path, spec)
 
     for name, joint in system.joints.items():
@@ -89,11 +92,19 @@ class Motions:
 
 
 def zyx(A, near):
-    """Yaw, pitch, roll of A = Rz Ry Rx from -pi to pi, of which either may be told: the one nearer to the hint."""
-    angles = [np.arctan2(A[1, 0], A[0, 0]), np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])), np.arctan2(A[2, 1], A[2, 2])]
+    """Yaw, pitch, roll of A = Rz Ry Rx from -pi to pi, of which either may be told:
+    the one nearer to the hint."""
+    angles = [
+        np.arctan2(A[1, 0], A[0, 0]),
+        np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])),
+        np.arctan2(A[2, 1], A[2, 2]),
+    ]
 
     if near is not None:
-        angles = [a + 2 * np.pi * np.round((b - a) / (2 * np.pi)) if abs(b) < 3.2 else a for a, b in zip(angles, near)]
+        angles = [
+            a + 2 * np.pi * np.round((b - a) / (2 * np.pi)) if abs(b) < 3.2 else a
+            for a, b in zip(angles, near)
+        ]
 
     return np.array(angles)
 
@@ -111,7 +122,8 @@ def euler_parameters(A, hint):
 
 
 def _put(told, name, values, table):
-    """Several outputs of one name; of two parts of that name the one whose table asks for the output tells it."""
+    """Several outputs of one name; of two parts of that name the one whose table asks for the output tells
+    it."""
     for output, value in values.items():
         key = f"{name}.{output}"
 
@@ -214,7 +226,9 @@ def _coupled(system, now, joint, multipliers):
     for name, coupling in system.couplings.items():
         multiplier = multipliers[now.rows_of["coupling", name][0]]
         effort += sum(
-            multiplier * factor for other, factor in zip(coupling.between, (-coupling.ratio, 1.0)) if other == joint
+            multiplier * factor
+            for other, factor in zip(coupling.between, (-coupling.ratio, 1.0))
+            if other == joint
         )
 
     return effort
@@ -226,7 +240,13 @@ def _tell_element(told, e, table):
     elif e.kind == "spring_damper":
         length, rate, parts = e.now
         values = dict(zip(("spring_force", "damper_force", "input_force"), parts))
-        values |= {"length": length, "rate": rate, "tension": sum(parts), "force": sum(parts), "power": -sum(parts) * rate}
+        values |= {
+            "length": length,
+            "rate": rate,
+            "tension": sum(parts),
+            "force": sum(parts),
+            "power": -sum(parts) * rate,
+        }
         del values["force" if e.has_input else "input_force"]
     else:
         force, moment, moved, rate = e.now
@@ -246,7 +266,9 @@ def _tell_scene(told, system, now, acceleration, multipliers):
         place, speed = r + A @ com, v + cross(w, A @ com)
         spin = A @ inertia @ A.T @ w
         kinetic += (mass * speed @ speed + w @ spin) / 2
-        gravity -= mass * system.gravity @ place + (system.mu * mass / np.linalg.norm(place) if system.mu else 0.0)
+        gravity -= mass * system.gravity @ place + (
+            system.mu * mass / np.linalg.norm(place) if system.mu else 0.0
+        )
         linear = linear + mass * speed
         angular = angular + cross(place, mass * speed) + spin
         centre, total = centre + mass * place, total + mass

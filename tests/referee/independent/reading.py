@@ -19,7 +19,11 @@ def si(table, key, default=None):
     for ending, factor in UNITS.items():
         if table.get(key + ending) is not None:
             value = table[key + ending]
-            return factor * np.asarray(value, float) if isinstance(value, (list, tuple, np.ndarray)) else factor * value
+            return (
+                factor * np.asarray(value, float)
+                if isinstance(value, (list, tuple, np.ndarray))
+                else factor * value
+            )
 
     return default
 
@@ -35,8 +39,8 @@ def axis(value):
 
 
 def plane_axes(normal):
-    """(3, 3), by column: the x axis projected into the plane (the y axis where the normal is the x axis), what is normal
-    to it and to the normal, the normal."""
+    """(3, 3), by column: the x axis projected into the plane (the y axis where the normal is the x axis),
+    what is normal to it and to the normal, the normal."""
     flat = np.hypot(*normal[1:]) > 1e-6
     x = np.eye(3)[0 if flat else 1]
     x = x - (x @ normal) * normal
@@ -45,7 +49,8 @@ def plane_axes(normal):
 
 
 def orientation(table):
-    """A (3, 3): components in the frame to components in its base, written in one of five ways or not at all."""
+    """A (3, 3): components in the frame to components in its base,
+    written in one of five ways or not at all."""
     if table.get("euler_parameters") is not None:
         return Rotation.from_quat(table["euler_parameters"]).as_matrix()
 
@@ -66,7 +71,8 @@ def orientation(table):
 
 
 def of_two_axes(first, second):
-    """A of two of its columns, as (name, axis): the first is kept, the second made normal to it, the third is right-handed."""
+    """A of two of its columns, as (name, axis): the first is kept, the second made normal to it,
+    the third is right-handed."""
     i, j = "xyz".index(first[0]), "xyz".index(second[0])
     A = np.zeros((3, 3))
     A[:, i] = axis(first[1])
@@ -109,7 +115,8 @@ def dotted(*names):
 
 
 class Parameters:
-    """Values of parameters other than the scene's, by variable name; elements of arrays by their indices from 1."""
+    """Values of parameters other than the scene's, by variable name;
+    elements of arrays by their indices from 1."""
 
     def __init__(self, values):
         self.values = {self._named(name): float(value) for name, value in (values or {}).items()}
@@ -141,7 +148,8 @@ class Parameters:
         return self.values.get(name, value)
 
     def check(self):
-        """KeyError where a value is of no parameter; those of the start and of the solver concern only the package."""
+        """KeyError where a value is of no parameter;
+        those of the start and of the solver concern only the package."""
         for name in self.values.keys() - self.taken:
             if not name.startswith("solver.") and not name.partition("[")[0].endswith("_start"):
                 raise KeyError(f"no parameter {name}")

@@ -12,8 +12,8 @@ TOLERANCE = 1e-11
 def run(system, times, motions, inputs=None, hints=None):
     """Motions at times (n,), the first as given.
 
-    inputs : name -> value, or a function of time (s) of all of them. hints : of the start; whole turns and parameters s of what
-    follows are those of the instant before.
+    inputs : name -> value, or a function of time (s) of all of them. hints : of the start;
+    whole turns and parameters s of what follows are those of the instant before.
     """
     at = inputs if callable(inputs) else lambda t: inputs
     course = Course(system, at, hints)
@@ -42,7 +42,10 @@ class Course:
 
     def pack(self, motions):
         """x of motions."""
-        parts = ((r, Rotation.from_matrix(A).as_quat(), v, w) for r, A, v, w in (motions[b][:4] for b in self.system.bodies))
+        parts = (
+            (r, Rotation.from_matrix(A).as_quat(), v, w)
+            for r, A, v, w in (motions[b][:4] for b in self.system.bodies)
+        )
         return np.concatenate([np.concatenate(part) for part in parts])
 
     def unpack(self, x):
@@ -88,7 +91,8 @@ class Course:
         return np.concatenate(rates)
 
     def project(self, t, x):
-        """x on the constraints: positions by Newton's method, then velocities, by the least change in the metric of the mass."""
+        """x on the constraints: positions by Newton's method, then velocities,
+        by the least change in the metric of the mass."""
         for _ in range(10):
             now = self.look(t, x)
             step = self._correction(now, now.residuals)

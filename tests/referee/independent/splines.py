@@ -1,7 +1,9 @@
-"""Quintic splines through the points of a motion, and those that are held where they would leave the points by far.
+"""Quintic splines through the points of a motion,
+and those that are held where they would leave the points by far.
 
-docs/scene.md tells what "quintic" and "smooth" are for; how their ends and held points are chosen is that of the package's own
-description, worked out anew: dense equations for the slopes and second slopes at the points, in place of banded ones.
+docs/scene.md tells what "quintic" and "smooth" are for; how their ends and held points are chosen is that of
+the package's own description, worked out anew: dense equations for the slopes and second slopes at the
+points, in place of banded ones.
 """
 
 import numpy as np
@@ -24,8 +26,11 @@ PEAK_POINTS, PEAK_REACH, PEAK_ROUGHNESS = 12, 8, 0.05
 
 
 def derivative_row(order, t):
-    """(6,): the order-th derivative at t of a piece, by value, slope and second slope at its ends, all for length 1."""
-    powers = np.array([np.prod(np.arange(k, k - order, -1)) * t ** (k - order) if k >= order else 0.0 for k in range(6)])
+    """(6,): the order-th derivative at t of a piece, by value, slope and second slope at its ends,
+    all for length 1."""
+    powers = np.array(
+        [np.prod(np.arange(k, k - order, -1)) * t ** (k - order) if k >= order else 0.0 for k in range(6)]
+    )
     return powers @ COEFFICIENTS
 
 
@@ -78,7 +83,8 @@ def spline(x, y, held, slope, bend):
         if pieces >= FREE:
             for k in (1, 2):
                 (a, c), (b, d) = (
-                    [part / (x[p + 1] - x[p - 1]) for part in jump(5, p)] for p in (end + way * k, end + way * (k + 1))
+                    [part / (x[p + 1] - x[p - 1]) for part in jump(5, p)]
+                    for p in (end + way * k, end + way * (k + 1))
                 )
                 equation(a - b, c - d)
         elif pieces > 0:
@@ -103,7 +109,8 @@ def quintic(x, y):
 
 
 def smooth(x, y):
-    """The quintic spline that stands still between equal values, and is held where it leaves a piece's values by far."""
+    """The quintic spline that stands still between equal values,
+    and is held where it leaves a piece's values by far."""
     n = len(x)
     slope, bend = np.zeros(n), np.zeros(n)
     held = ends_of(still(x, y))
@@ -158,7 +165,8 @@ def still(x, y):
 
 
 def peaks(x, y):
-    """By how much the curve may bow out of each piece where its points are samples of a peak: downwards positive."""
+    """By how much the curve may bow out of each piece where its points are samples of a peak:
+    downwards positive."""
     if len(x) < 4:
         return np.zeros(len(x) - 1)
 
@@ -186,8 +194,8 @@ def leaving(x, y, slope, bend, bow):
 
 
 def monotone_end(x, y, k):
-    """(slope, second slope) at a point with which the pieces on both sides rise or fall throughout: those of the parabola
-    through it and its neighbours, limited."""
+    """(slope, second slope) at a point with which the pieces on both sides rise or fall throughout:
+    those of the parabola through it and its neighbours, limited."""
     n = len(x)
     chord = np.diff(y) / np.diff(x)
 
@@ -207,5 +215,7 @@ def monotone_end(x, y, k):
 
     # Bernstein's coefficients of the derivative: a quintic piece rises throughout if they all do
     least = max(-4 * steep / h_after, (8 * steep - 10 * abs(before)) / h_before if goes_on else 0.0)
-    most = min((10 * abs(after) - 8 * steep) / h_after, (4 * steep if goes_on else 10 * abs(before)) / h_before)
+    most = min(
+        (10 * abs(after) - 8 * steep) / h_after, (4 * steep if goes_on else 10 * abs(before)) / h_before
+    )
     return way * steep, way * min(max(way * 2 * a, least), most)

@@ -1,4 +1,5 @@
-"""Where a scene starts, as far as start values alone tell: joint by joint outwards from the ground, without closing loops."""
+"""Where a scene starts, as far as start values alone tell: joint by joint outwards from the ground,
+without closing loops."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -9,7 +10,8 @@ from .reading import cross, orientation, plane_axes, si
 
 
 def motions_at_start(system, t=0.0):
-    """Body -> (r, A, v, w) by the start values of the joints that lead to it, each body by the first that does."""
+    """Body -> (r, A, v, w) by the start values of the joints that lead to it,
+    each body by the first that does."""
     ground = system.ground.at(t, Inputs({}))[:4]
     motions, waiting = {"ground": ground}, list(system.joints.values())
 
@@ -76,7 +78,12 @@ def _relative(joint, t):
     if kind == "planar":
         x, y, _ = plane_axes(u).T
         (a, b), (a1, b1) = (_filled(start.get(key), "xy") for key in ("position", "velocity"))
-        return a * x + b * y, turn(u, si(start, "angle", 0.0)), a1 * x + b1 * y, si(start, "angular_speed", 0.0) * u
+        return (
+            a * x + b * y,
+            turn(u, si(start, "angle", 0.0)),
+            a1 * x + b1 * y,
+            si(start, "angular_speed", 0.0) * u,
+        )
 
     angle, place = si(start, "angle", 0.0), start.get("position", 0.0)
     spin, speed = si(start, "angular_speed", 0.0), start.get("speed", 0.0)
@@ -87,7 +94,9 @@ def _relative(joint, t):
         spin, speed = si(start, "speed", 0.0), 0.0
 
     if joint.driver:
-        at, rate, _ = joint.driver.target(t, (angle + place, t), Inputs({}), (angle + place, spin + speed, 0.0))
+        at, rate, _ = joint.driver.target(
+            t, (angle + place, t), Inputs({}), (angle + place, spin + speed, 0.0)
+        )
         angle, spin, place, speed = (at, rate, 0.0, 0.0) if kind == "revolute" else (0.0, 0.0, at, rate)
 
     if kind not in ("revolute", "prismatic", "screw", "cylindrical"):

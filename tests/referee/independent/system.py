@@ -45,21 +45,28 @@ class Joint:
 
 
 class Coupling:
-    """The second joint's coordinate is ratio times the first one's plus an offset; None: that of the start."""
+    """The second joint's coordinate is ratio times the first one's plus an offset; None:
+    that of the start."""
 
     def __init__(self, name, table):
         kind = kind_of(table, COUPLINGS)
         spec = table[kind]
         self.name, self.between = name, table["between"]
-        self.ratio = spec["radius"] if kind == "rack" else spec["pitch"] / (2 * np.pi) if kind == "screw" else spec["ratio"]
+        self.ratio = (
+            spec["radius"]
+            if kind == "rack"
+            else spec["pitch"] / (2 * np.pi)
+            if kind == "screw"
+            else spec["ratio"]
+        )
         self.offset = si(spec, "offset")
 
 
 class System:
     """A scene as the dict of its TOML file, with values of parameters by variable name.
 
-    What a scene leaves to the start (a strut's rest length, the length of a distance, offsets of couplings, the side on which
-    something rolls, where a held joint stands) is read off when `evaluate` is called first.
+    What a scene leaves to the start (a strut's rest length, the length of a distance, offsets of couplings,
+    the side on which something rolls, where a held joint stands) is read off when `evaluate` is called first.
     """
 
     def __init__(self, data, parameters=None):
@@ -97,7 +104,8 @@ class System:
         given.check()
 
     def changed(self, parameters):
-        """The system with other values of some parameters from now on; what the scene leaves to the start stays."""
+        """The system with other values of some parameters from now on;
+        what the scene leaves to the start stays."""
         system = System(self.data, self.given.values | Parameters(parameters).values)
         system.started = self.started
         return system
@@ -111,7 +119,8 @@ class System:
         return tables["marker"][marker] if marker else {}
 
     def end(self, end):
-        """(owner, position (3,), axes (3, 3)) of an end: "body", "body.marker", "ground", "ground.marker", "inertial".
+        """(owner, position (3,), axes (3, 3)) of an end: "body", "body.marker", "ground", "ground.marker",
+        "inertial".
 
         A ground that stands still is the inertial frame itself.
         """
@@ -146,9 +155,13 @@ class System:
     # equations
 
     def signals(self, motions, kind, ends, numbers):
-        """The equations of a kind between two ends: name -> (value, rate, bias, J), J by all accelerations (see `Instant`)."""
+        """The equations of a kind between two ends: name -> (value, rate, bias, J),
+        J by all accelerations (see `Instant`)."""
         owners = [self.end(end)[0] for end in ends]
-        states = [STILL if owner == "inertial" else np.concatenate([np.ravel(p) for p in motions[owner][:4]]) for owner in owners]
+        states = [
+            STILL if owner == "inertial" else np.concatenate([np.ravel(p) for p in motions[owner][:4]])
+            for owner in owners
+        ]
         poses = [np.concatenate([position, axes.ravel()]) for _, position, axes in map(self.end, ends)]
         return of_kind(kind)(np.concatenate([*states, *poses, numbers])), owners
 
@@ -171,13 +184,14 @@ class System:
     # one instant
 
     def evaluate(self, t, motions, inputs=None, hints=None):
-        """Everything that can be told at time t (s), by variable name, and the "constraint residuals" and "constraint rates".
+        """Everything that can be told at time t (s), by variable name,
+        and the "constraint residuals" and "constraint rates".
 
-        motions : body -> (r, A, v, w) of its own frame, inertial axes; "ground" too where inputs command its motion, with
-            (a, alpha) after these where they are not commanded.
+        motions : body -> (r, A, v, w) of its own frame, inertial axes; "ground" too where inputs command its
+            motion, with (a, alpha) after these where they are not commanded.
         inputs : name -> value, or array whose first axis is the order of the derivative.
-        hints : what is known from elsewhere, by variable name: whole turns of angles, parameters s near which to look, the
-            speed and acceleration of joints that inputs drive, the sign of Euler parameters.
+        hints : what is known from elsewhere, by variable name: whole turns of angles, parameters s near which
+            to look, the speed and acceleration of joints that inputs drive, the sign of Euler parameters.
         """
         return outputs.tell(self, self.solve(t, motions, inputs, hints))
 
@@ -186,16 +200,21 @@ class System:
         return Instant(self, t, motions, Inputs(inputs), Hints(hints))
 
     def motions_of(self, told):
-        """Motions of all bodies from outputs by name: position, euler_parameters, velocity, omega of each; and of the ground
-        where measures from "inertial" tell it."""
+        """Motions of all bodies from outputs by name: position, euler_parameters, velocity, omega of each;
+        and of the ground where measures from "inertial" tell it."""
         hints = Hints(told)
         motions = {body: hints.pose(body) for body in self.bodies}
         ground = self._ground_of(hints)
         return motions if ground is None else motions | {"ground": ground}
 
     def _ground_of(self, hints):
-        """(r, A, v, w, a, alpha) by the measure of "ground" from "inertial", and by accelerations of markers on it; or None."""
-        seen = {m["between"][1]: name for name, m in self.data.get("measure", {}).items() if m["between"][0] == "inertial"}
+        """(r, A, v, w, a, alpha) by the measure of "ground" from "inertial",
+        and by accelerations of markers on it; or None."""
+        seen = {
+            m["between"][1]: name
+            for name, m in self.data.get("measure", {}).items()
+            if m["between"][0] == "inertial"
+        }
         seen = {end: name for end, name in seen.items() if end.partition(".")[0] == "ground"}
 
         if "ground" not in seen or hints(seen["ground"], "omega") is None:

@@ -1,8 +1,9 @@
 """Frames and equations as functions of the time tau from now on, and what CasADi's derivatives make of them.
 
-An owner (a body, or the ground) moves from the pose (r, A) with the velocities (v, w) and unknown accelerations (a, alpha):
-r(tau) = r + v tau + a tau^2 / 2 and A(tau) = exp(phi) A, phi = w tau + alpha tau^2 / 2, since phi' = w and phi'' = alpha at
-phi = 0. The exponential is needed to the second power of tau alone, so it is a polynomial and has no singular place.
+An owner (a body, or the ground) moves from the pose (r, A) with the velocities (v, w) and unknown
+accelerations (a, alpha): r(tau) = r + v tau + a tau^2 / 2 and A(tau) = exp(phi) A, phi = w tau + alpha tau^2
+/ 2, since phi' = w and phi'' = alpha at phi = 0. The exponential is needed to the second power of tau alone,
+so it is a polynomial and has no singular place.
 """
 
 import casadi as ca
@@ -17,7 +18,8 @@ def skew(u):
 
 
 class Frame:
-    """A frame over tau: origin r, axes A (by column, inertial), velocity v of its origin, angular velocity w."""
+    """A frame over tau: origin r, axes A (by column, inertial), velocity v of its origin,
+    angular velocity w."""
 
     def __init__(self, r, A, v, w):
         self.r, self.A, self.v, self.w = r, A, v, w
@@ -33,7 +35,8 @@ def moving(state, acceleration, tau):
 
 
 class Pair:
-    """Two frames, the second as seen from the first: d (3,) and R (3, 3) in its axes, velocities as seen from there."""
+    """Two frames, the second as seen from the first: d (3,) and R (3, 3) in its axes,
+    velocities as seen from there."""
 
     def __init__(self, first, second):
         self.first, self.second = first, second
@@ -46,12 +49,14 @@ class Pair:
 
 
 def vee(R):
-    """Half the axial vector of a matrix's skew part: the rotation vector up to the second power of the angle."""
+    """Half the axial vector of a matrix's skew part:
+    the rotation vector up to the second power of the angle."""
     return ca.vertcat(R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]) / 2
 
 
 def swing_and_twist(R, R_now, E_now):
-    """(rx, ry, rz) of R = exp(rx, ry, 0) Rz(rz) over tau. R_now, E_now : R at tau = 0 and its Euler parameters."""
+    """(rx, ry, rz) of R = exp(rx, ry, 0) Rz(rz) over tau. R_now, E_now :
+    R at tau = 0 and its Euler parameters."""
     phi = vee(R @ R_now.T)
     x, y, z, w = ca.vertsplit(E_now)
 
@@ -76,8 +81,9 @@ def swing_and_twist(R, R_now, E_now):
 class Signals:
     """Expressions over tau, collected by name: of positions, or of velocities.
 
-    After `compile`, a call gives for each of them its value, its rate (of positions), its highest rate at zero accelerations,
-    and J, the highest rate's derivative by the accelerations: the row of the Jacobian by the velocities.
+    After `compile`, a call gives for each of them its value, its rate (of positions), its highest rate at
+    zero accelerations, and J, the highest rate's derivative by the accelerations: the row of the Jacobian by
+    the velocities.
     """
 
     def __init__(self):
@@ -111,7 +117,8 @@ class Signals:
         self.function = ca.Function("signals", [inputs], results)
 
     def __call__(self, numbers):
-        """Name -> (value, rate, highest rate at zero accelerations, J) for these inputs; of velocities value and rate are one."""
+        """Name -> (value, rate, highest rate at zero accelerations, J) for these inputs;
+        of velocities value and rate are one."""
         p, p1, p2, Jp, v, v1, Jv = (np.asarray(part) for part in self.function(numbers))
         blocks = {
             "position": (p.ravel(), p1.ravel(), p2.ravel(), Jp),

@@ -5,9 +5,9 @@ import numpy as np
 from . import frames
 
 OUTPUTS = (
-    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body",
-    "acceleration_body", "omega_body", "alpha_body",
-)
+    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha",
+    "velocity_body", "acceleration_body", "omega_body", "alpha_body",
+)  # fmt: skip
 SORTS = {"inertia": 4, "solid": 4, "symmetric": 1, "point": 0.6, "massless": 0.6, "rod": 0.4}
 
 
@@ -73,13 +73,21 @@ def _solids(dice):
 
 def _solid(dice):
     kind = dice.weighted({"sphere": 1, "box": 1, "cylinder": 1.2, "tube": 1.2, "point": 1})
-    heavy = {"mass": dice.number(0.3, 2.0)} if kind == "point" or dice.chance(0.5) else {"density": float(dice.whole(50, 900))}
+    heavy = (
+        {"mass": dice.number(0.3, 2.0)}
+        if kind == "point" or dice.chance(0.5)
+        else {"density": float(dice.whole(50, 900))}
+    )
     radius, length = dice.number(0.06, 0.2), dice.number(0.2, 1.0)
     shape = {
         "sphere": {"radius": radius},
         "box": {"size": dice.numbers(3, 0.1, 0.4)},
         "cylinder": {"radius": radius, "length": length},
-        "tube": {"radius": radius, "inner_radius": 0.0 if dice.chance(0.1) else round(0.6 * radius, 4), "length": length},
+        "tube": {
+            "radius": radius,
+            "inner_radius": 0.0 if dice.chance(0.1) else round(0.6 * radius, 4),
+            "length": length,
+        },
         "point": {},
     }[kind]
     solid = {kind: shape | heavy} | frames.place(dice, 0.4)[0]

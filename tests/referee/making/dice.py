@@ -45,7 +45,8 @@ class Dice:
         return [self.number(low, high) for _ in range(n)]
 
     def ascending(self, n: int, low: float, high: float) -> list[float]:
-        """n numbers, the first `low`, the last `high`, none nearer to the next than a third of the mean distance."""
+        """n numbers, the first `low`, the last `high`,
+        none nearer to the next than a third of the mean distance."""
         parts = np.cumsum([0.0, *self.rng.uniform(0.5, 1.5, n - 1)])
         return [round(float(low + (high - low) * part / parts[-1]), 4) for part in parts]
 

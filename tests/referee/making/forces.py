@@ -64,7 +64,10 @@ def _strut(dice, mechanism, owners, taste):
     if a in ("ground", "inertial") and b in ("ground", "inertial"):
         a = dice.pick(mechanism.body)
     arm = frames.unit(dice.vector(1.0)) * dice.number(0.5, 1.0)
-    first, second = _end(dice, mechanism, a, {"position": arm.tolist()} if a != "inertial" else {}), _end(dice, mechanism, b)
+    first, second = (
+        _end(dice, mechanism, a, {"position": arm.tolist()} if a != "inertial" else {}),
+        _end(dice, mechanism, b),
+    )
     table = {"spring_damper": options, "between": [first, second]}
 
     if dice.chance(taste["input"]):
@@ -118,4 +121,6 @@ def _load(dice):
     if dice.chance(0.55):
         return {"table": motions.load_over_time(dice)} | axes
 
-    return {key: dice.vector(3.0 if key == "force" else 0.5) for key in dice.some(("force", "moment"), 1)} | axes
+    return {
+        key: dice.vector(3.0 if key == "force" else 0.5) for key in dice.some(("force", "moment"), 1)
+    } | axes

@@ -29,7 +29,8 @@ def about(axis, angle):
 
 
 def plane_axes(normal):
-    """(3, 3): the x axis (the y axis where the normal is x) projected into a plane, what is normal to both, and the normal."""
+    """(3, 3): the x axis (the y axis where the normal is x) projected into a plane, what is normal to both,
+    and the normal."""
     helper = np.eye(3)[0 if np.linalg.norm(normal[1:]) > 1e-6 else 1]
     x = unit(helper - normal * (normal @ helper))
     return np.column_stack([x, np.cross(normal, x), normal])
@@ -67,7 +68,12 @@ def written_orientation(dice, A, ways=WAYS):
 
     first, second = dice.some("xyz", 2)[:2]
     scale = dice.number(0.5, 2.0)
-    return {"axes": {first: A[:, "xyz".index(first)].tolist(), second: (scale * A[:, "xyz".index(second)]).tolist()}}
+    return {
+        "axes": {
+            first: A[:, "xyz".index(first)].tolist(),
+            second: (scale * A[:, "xyz".index(second)]).tolist(),
+        }
+    }
 
 
 def orientation(dice):
@@ -75,11 +81,19 @@ def orientation(dice):
     way = dice.pick(WAYS)
 
     if way == "euler_parameters":
-        E = unit(dice.vector(1.0, 4) if dice.chance(0.5) else dice.pick([[0, 0, 1, 1], [1, 0, 0, 1], [1, 1, 1, 1], [0, 1, 0, 0]]))
+        E = unit(
+            dice.vector(1.0, 4)
+            if dice.chance(0.5)
+            else dice.pick([[0, 0, 1, 1], [1, 0, 0, 1], [1, 1, 1, 1], [0, 1, 0, 0]])
+        )
         return {way: E.tolist()}, Rotation.from_quat(E).as_matrix()
 
     if way.startswith("zyx"):
-        angles = dice.numbers(3, -3, 3) if way == "zyx_rad" else [float(dice.pick(range(-180, 181, 15))) for _ in range(3)]
+        angles = (
+            dice.numbers(3, -3, 3)
+            if way == "zyx_rad"
+            else [float(dice.pick(range(-180, 181, 15))) for _ in range(3)]
+        )
         return {way: angles}, Rotation.from_euler("ZYX", angles, degrees=way == "zyx_deg").as_matrix()
 
     if way.startswith("axis"):

@@ -1,6 +1,8 @@
-"""The kinds of joints: somewhere in its range each, its start as a user writes it, and what motions it allows.
+"""The kinds of joints: somewhere in its range each, its start as a user writes it,
+and what motions it allows.
 
-A motion is (w, v) (6,): angular velocity of the second marker in the first, and velocity of its origin, in the first one's axes.
+A motion is (w, v) (6,): angular velocity of the second marker in the first, and velocity of its origin,
+in the first one's axes.
 """
 
 from dataclasses import dataclass, field
@@ -24,9 +26,9 @@ TREE = {
     "translation": 3, "free": 6, "fixed": 0,
 }
 CONSTRAINTS = (
-    "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge", "point_on_curve",
-    "curve_on_curve", "point_on_surface",
-)
+    "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge",
+    "point_on_curve", "curve_on_curve", "point_on_surface",
+)  # fmt: skip
 CONTACTS = CONSTRAINTS[-3:]
 MOVING = [kind for kind in TREE if kind != "fixed"]
 ONE = ("revolute", "prismatic")
@@ -36,10 +38,13 @@ ONE = ("revolute", "prismatic")
 class Drawn:
     """A joint in the making.
 
-    table : its keys but for ends and start. q : its coordinates by the names of the start's keys. pose : of the second
-    marker in the first. motions : (n, 6), for a unit of each velocity coordinate. rows : (k, 6), m with m @ motion = 0.
-    shapes : what the two markers must carry, by key. rate : of the only coordinate, where a driver says it; None: unknown.
-    says : what its start may say beside its driver, "all", "place" or "". owners, world : of its two ends, and where these are.
+    table : its keys but for ends and start. q : its coordinates by the names of the start's keys. pose : of
+    the second marker in the first. motions : (n, 6), for a unit of each velocity coordinate. rows : (k, 6), m
+    with m @ motion = 0.
+    shapes : what the two markers must carry, by key. rate : of the only coordinate, where a driver says it;
+    None: unknown.
+    says : what its start may say beside its driver, "all", "place" or "". owners, world : of its two ends,
+    and where these are.
     fast : a wheel, which may turn fast.
     """
 
@@ -85,7 +90,8 @@ def sliding(*vectors):
 
 
 def draw(dice, kind, size=1.0, q=None, direction=None) -> Drawn:
-    """A joint of a kind; `size` of its coordinates' range; q, direction: of one of one freedom, as (written, unit vector)."""
+    """A joint of a kind; `size` of its coordinates' range; q, direction: of one of one freedom,
+    as (written, unit vector)."""
     if kind in MAKERS:
         return MAKERS[kind](dice, size)
 
@@ -106,10 +112,18 @@ def draw(dice, kind, size=1.0, q=None, direction=None) -> Drawn:
         pitch = dice.signed(0.1, 1.0)
         lead = pitch / (2 * np.pi)
         motions = turning(a) + sliding(lead * a)
-        return Drawn(kind, {kind: options | {"pitch": pitch}}, {"angle": angle}, (lead * angle * a, about(a, angle)), motions)
+        return Drawn(
+            kind,
+            {kind: options | {"pitch": pitch}},
+            {"angle": angle},
+            (lead * angle * a, about(a, angle)),
+            motions,
+        )
 
     pose = (x * a, about(a, angle))
-    return Drawn(kind, {kind: options}, {"position": x, "angle": angle}, pose, np.vstack([sliding(a), turning(a)]))
+    return Drawn(
+        kind, {kind: options}, {"position": x, "angle": angle}, pose, np.vstack([sliding(a), turning(a)])
+    )
 
 
 def _turns(dice, size):
@@ -134,7 +148,13 @@ def _universal(dice, size):
 
     angles = [dice.number(-1.0, 1.0) * size for _ in range(2)]
     A = about(axes[0], angles[0]) @ about(axes[1], angles[1])
-    return Drawn("universal", {"universal": options}, {"angles": angles}, (np.zeros(3), A), turning(axes[0], A @ axes[1]))
+    return Drawn(
+        "universal",
+        {"universal": options},
+        {"angles": angles},
+        (np.zeros(3), A),
+        turning(axes[0], A @ axes[1]),
+    )
 
 
 def _planar(dice, size):
@@ -149,7 +169,9 @@ def _planar(dice, size):
 
 def _translation(dice, size):
     r = [dice.number(-0.5, 0.5) * size for _ in range(3)]
-    return Drawn("translation", {"translation": {}}, {"position": r}, (np.array(r), np.eye(3)), sliding(*np.eye(3)))
+    return Drawn(
+        "translation", {"translation": {}}, {"position": r}, (np.array(r), np.eye(3)), sliding(*np.eye(3))
+    )
 
 
 def _turn(dice, size):
@@ -195,7 +217,9 @@ def _point_on_line(dice, size):
 def _distance(dice, size):
     length, direction = dice.number(0.3, 1.5), unit(dice.vector(1.0))
     options = {"length": length} if dice.chance(0.6) else {}
-    return Drawn("distance", {"distance": options}, {}, (length * direction, _anywhere(dice)), rows=sliding(direction))
+    return Drawn(
+        "distance", {"distance": options}, {}, (length * direction, _anywhere(dice)), rows=sliding(direction)
+    )
 
 
 def _above(dice):
@@ -206,7 +230,9 @@ def _rolling_sphere(dice, size):
     radius, side = dice.number(0.1, 0.6), _above(dice)
     r = np.array([*dice.vector(0.5, 2), side * radius])
     rows = _rolls(np.array([0, 0, -side * radius]))
-    return Drawn("rolling_sphere", {"rolling_sphere": {"radius": radius}}, {}, (r, _anywhere(dice)), rows=rows)
+    return Drawn(
+        "rolling_sphere", {"rolling_sphere": {"radius": radius}}, {}, (r, _anywhere(dice)), rows=rows
+    )
 
 
 def _rolls(arm):
@@ -233,7 +259,9 @@ def _knife_edge(dice, size):
     written, lateral = axis(dice)
     A = _anywhere(dice)
     options = {} if isinstance(written, str) and written == "y" else {"lateral": written}
-    return Drawn("knife_edge", {"knife_edge": options}, {}, (np.array(dice.vector(0.8)), A), rows=sliding(A @ lateral))
+    return Drawn(
+        "knife_edge", {"knife_edge": options}, {}, (np.array(dice.vector(0.8)), A), rows=sliding(A @ lateral)
+    )
 
 
 def _point_on_curve(dice, size):
@@ -266,17 +294,19 @@ def _point_on_surface(dice, size):
 
 
 MAKERS = {
-    "fixed": _fixed, "universal": _universal, "planar": _planar, "translation": _translation, "spherical": _spherical,
-    "free": _free, "point_on_plane": _point_on_plane, "point_on_line": _point_on_line, "distance": _distance,
-    "rolling_sphere": _rolling_sphere, "rolling_disk": _rolling_disk, "knife_edge": _knife_edge,
-    "point_on_curve": _point_on_curve, "curve_on_curve": _curve_on_curve, "point_on_surface": _point_on_surface,
-}
+    "fixed": _fixed, "universal": _universal, "planar": _planar, "translation": _translation, "spherical":
+    _spherical, "free": _free, "point_on_plane": _point_on_plane, "point_on_line": _point_on_line, "distance":
+    _distance, "rolling_sphere": _rolling_sphere, "rolling_disk": _rolling_disk, "knife_edge": _knife_edge,
+    "point_on_curve": _point_on_curve, "curve_on_curve": _curve_on_curve, "point_on_surface":
+    _point_on_surface,
+}  # fmt: skip
 
 
 # starts as they are written
 
 def start(dice, joint, v, places=True, rates=True) -> dict:
-    """The start table of a joint at its coordinates and velocities v (n,): all of it, or where it is or how fast alone."""
+    """The start table of a joint at its coordinates and velocities v (n,): all of it,
+    or where it is or how fast alone."""
     table = {}
 
     if places:
@@ -329,18 +359,23 @@ def _rates(dice, joint, v):
 
     linear = {"velocity": v[:3]} if joint.kind == "free" else {}
     omega = np.array(v[-3:])
-    return linear | ({"omega": omega.tolist()} if dice.chance(0.5) else {"omega_body": (joint.pose[1].T @ omega).tolist()})
+    return linear | (
+        {"omega": omega.tolist()} if dice.chance(0.5) else {"omega_body": (joint.pose[1].T @ omega).tolist()}
+    )
 
 
 TWO = ("first", "second")
-NAMES = {"position": "xyz", "velocity": "xyz", "omega": "xyz", "omega_body": "xyz", "angles": TWO, "speeds": TWO}
+NAMES = {
+    "position": "xyz", "velocity": "xyz", "omega": "xyz", "omega_body": "xyz", "angles": TWO, "speeds": TWO,
+}  # fmt: skip
 
 
 def in_tables(table):
     """The start table with its vectors as tables of all their components."""
     names = {key: NAMES.get(key.removesuffix("_deg")) for key in table}
     return {
-        key: dict(zip(names[key], value)) if isinstance(value, list) and names[key] else value for key, value in table.items()
+        key: dict(zip(names[key], value)) if isinstance(value, list) and names[key] else value
+        for key, value in table.items()
     }
 
 

@@ -1,4 +1,5 @@
-"""Bodies, the tree of joints that holds them, and what closes loops, couples and drives: with starts that fit together."""
+"""Bodies, the tree of joints that holds them, and what closes loops, couples and drives:
+with starts that fit together."""
 
 import numpy as np
 from scipy.linalg import null_space
@@ -12,14 +13,17 @@ RANK = 2e-3
 class Mechanism:
     """A mechanism in the making.
 
-    poses : of the owners of markers ("ground", "inertial", bodies) at the start, in the inertial frame. paths : of the same, a
-    dict from each velocity coordinate to its twist (6,): angular velocity, and velocity at the inertial origin, inertial axes.
-    site : m, by which all on the ground is shifted; centre_free : whether bodies may be at the inertial origin; roots : of the
-    owners, "ground" or "inertial", which are one where the ground rests.
+    poses : of the owners of markers ("ground", "inertial", bodies) at the start, in the inertial frame. paths
+    : of the same, a dict from each velocity coordinate to its twist (6,): angular velocity, and velocity at
+    the inertial origin, inertial axes.
+    site : m, by which all on the ground is shifted; centre_free : whether bodies may be at the inertial
+    origin; roots : of the owners, "ground" or "inertial", which are one where the ground rests.
     rows, rates : what velocities v must obey, rows @ v = rates (None where a rate is not known).
     """
 
-    def __init__(self, dice, taste, ground_pose=frames.HERE, site=(0.0, 0.0, 0.0), centre_free=True, ground_moves=False):
+    def __init__(
+        self, dice, taste, ground_pose=frames.HERE, site=(0.0, 0.0, 0.0), centre_free=True, ground_moves=False
+    ):
         self.centre_free = centre_free
         self.dice, self.taste, self.site = dice, taste, np.array(site)
         self.names = names.Names(dice)
@@ -60,7 +64,8 @@ class Mechanism:
         return dice.pick(owners)
 
     def add_body(self, joint, parent=None, near=None, far=None, table=None, reverse=None):
-        """A body on a new joint of the tree; near, far: poses of the markers on its parent and on itself. Returns its name."""
+        """A body on a new joint of the tree; near, far: poses of the markers on its parent and on itself.
+        Returns its name."""
         dice = self.dice
         parent = parent or self.parent()
         name = self.names.new(names.BODIES)
@@ -122,7 +127,8 @@ class Mechanism:
         return f"{owner}.{name}"
 
     def _drive(self, joint):
-        """Maybe a driver for a joint of one freedom, which is moved to where that starts, and what else acts in it."""
+        """Maybe a driver for a joint of one freedom, which is moved to where that starts,
+        and what else acts in it."""
         if joint.kind not in kinds.ONE:
             self._torque(joint)
             return
@@ -133,7 +139,9 @@ class Mechanism:
         inside.add(self.dice, joint, self.taste)
 
     def _torque(self, joint):
-        efforts = {"screw": ["torque"], "cylindrical": ["force", "torque"], "spherical": ["torque"]}.get(joint.kind)
+        efforts = {"screw": ["torque"], "cylindrical": ["force", "torque"], "spherical": ["torque"]}.get(
+            joint.kind
+        )
 
         if efforts and self.dice.chance(self.taste["input"]):
             some = self.dice.some(efforts, 1)
@@ -144,7 +152,9 @@ class Mechanism:
         table, q, rate, says = motions.driver(self.dice, joint.kind, joint.q[key], self.taste["drivers"])
         direction = joint.motions[0, :3] + joint.motions[0, 3:]
         joint.q[key], joint.rate, joint.says = q, rate, says
-        joint.pose = (np.zeros(3), frames.about(direction, q)) if key == "angle" else (q * direction, np.eye(3))
+        joint.pose = (
+            (np.zeros(3), frames.about(direction, q)) if key == "angle" else (q * direction, np.eye(3))
+        )
         joint.table["driver"] = table
 
     def _add_wheel(self):
@@ -157,7 +167,8 @@ class Mechanism:
         joint.fast = True
 
     def _add_chain(self, n):
-        """n bodies in a plane, one after the other by hinges, maybe a slider, to be closed by a hinge: redundant in space."""
+        """n bodies in a plane, one after the other by hinges, maybe a slider, to be closed by a hinge:
+        redundant in space."""
         dice = self.dice
         axis = frames.axis(dice)
         base = self.parent()
@@ -190,14 +201,16 @@ class Mechanism:
         return T
 
     def seen(self, joint):
-        """(6, n): the second marker's angular velocity in the first, and its origin's velocity, in the first's axes."""
+        """(6, n): the second marker's angular velocity in the first, and its origin's velocity,
+        in the first's axes."""
         (first, second), (a, b) = joint.world, joint.owners
         T = self.twists(b) - self.twists(a)
         v = T[3:] + np.cross(T[:3], second[0], axis=0)
         return np.vstack([first[1].T @ T[:3], first[1].T @ v])
 
     def still(self, joint):
-        """0.0 where what the rows of a joint see rests while the bodies do, None where the ground's motion is in between."""
+        """0.0 where what the rows of a joint see rests while the bodies do,
+        None where the ground's motion is in between."""
         a, b = joint.owners
         return 0.0 if self.roots[a] == self.roots[b] else None
 
@@ -206,7 +219,8 @@ class Mechanism:
         return self.n - _rank(self.rows)
 
     def restrict(self, rows, rates, least=1, expected=None, locks=False):
-        """Adds rows (k, n) if they are as many independent ones as expected and leave freedoms enough; whether they did.
+        """Adds rows (k, n) if they are as many independent ones as expected and leave freedoms enough;
+        whether they did.
 
         locks : whether joints that moved may move no more; else that is rare.
         """
@@ -233,7 +247,8 @@ class Mechanism:
             self._close(joint, owner, base, near, None, expected=2, off=off)
 
     def close(self):
-        """A loop between two bodies by a joint of any kind, if one of some tries leaves a mechanism that moves."""
+        """A loop between two bodies by a joint of any kind,
+        if one of some tries leaves a mechanism that moves."""
         dice = self.dice
 
         for attempt in range(16):
@@ -311,7 +326,8 @@ class Mechanism:
                 joint.rate, joint.says = None, "all"
 
     def couple(self):
-        """A coupling between two joints of one freedom, often the last one's second and a third: a train of gears."""
+        """A coupling between two joints of one freedom, often the last one's second and a third:
+        a train of gears."""
         dice = self.dice
         joints = [joint for joint in self.joints if joint.kind in kinds.ONE]
 
@@ -350,7 +366,10 @@ class Mechanism:
 
     def _coupling_kind(self, first, second):
         pair = first.kind, second.kind
-        options = {("revolute", "revolute"): ["gear", "linear"], ("revolute", "prismatic"): ["rack", "screw", "linear"]}
+        options = {
+            ("revolute", "revolute"): ["gear", "linear"],
+            ("revolute", "prismatic"): ["rack", "screw", "linear"],
+        }
         return self.dice.pick(options.get(pair, ["linear"]))
 
     # speeds
@@ -379,7 +398,8 @@ class Mechanism:
         return np.linalg.lstsq(joint.motions.T, self.seen(joint) @ v, rcond=None)[0]
 
     def undetermined(self, properties):
-        """The least inertia (kg m2, kg) of motions that are left; properties: body -> (mass, com (3,), inertia (3, 3))."""
+        """The least inertia (kg m2, kg) of motions that are left; properties:
+        body -> (mass, com (3,), inertia (3, 3))."""
         free = null_space(self.rows, rcond=RANK) if len(self.rows) else np.eye(self.n)
         M = np.zeros((self.n, self.n))
 

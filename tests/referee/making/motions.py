@@ -7,9 +7,9 @@ from .inside import degrees
 
 READING = ("smooth", "quintic", "cubic", "linear")
 WAYS = {
-    "constant_speed": 1.2, "hold": 0.8, "harmonic": 1.5, "harmonics": 1.8, "polynomial": 1.1, "ramp": 1.1, "table": 3.3,
-    "speed_table": 3.5, "input": 2,
-}
+    "constant_speed": 1.2, "hold": 0.8, "harmonic": 1.5, "harmonics": 1.8, "polynomial": 1.1, "ramp": 1.1,
+    "table": 3.3, "speed_table": 3.5, "input": 2,
+}  # fmt: skip
 
 
 def _reading(dice, ways=READING):
@@ -34,7 +34,8 @@ def _wandering(dice, n, size, start):
 def driver(dice, kind, q, ways=WAYS):
     """A driver of a revolute or prismatic joint that may start at q.
 
-    Returns (its table, where it starts, its speed there or None where that is not simple, what its start may say of it).
+    Returns (its table, where it starts, its speed there or None where that is not simple, what its start may
+    say of it).
     """
     way = dice.weighted(ways)
     angular = kind == "revolute"
@@ -58,7 +59,9 @@ def driver(dice, kind, q, ways=WAYS):
         return {way: {"time": times, f"speed{unit}": speeds} | _reading(dice)}, q, rate, "place"
 
     if way == "input":
-        told = dice.pick([True, True, ["position"], ["position", "speed"], ["position", "speed", "acceleration"]])
+        told = dice.pick(
+            [True, True, ["position"], ["position", "speed"], ["position", "speed", "acceleration"]]
+        )
         if told is not True and angular and dice.chance(0.5):
             told = ["angle" if what == "position" else what for what in told]
         if told is not True and dice.chance(0.3):
@@ -93,10 +96,15 @@ def _mean(dice, angular, mean):
 def _harmonic(dice, angular, size, q):
     unit = dice.pick(["", "_deg"]) if angular else ""
     given, amplitude = _in(unit, dice.number(0.1, 0.7) * size)
-    frequency, phase = dice.number(0.2, 1.5), float(dice.pick(range(-180, 181, 15))) if dice.chance(0.7) else 0.0
+    frequency, phase = (
+        dice.number(0.2, 1.5),
+        float(dice.pick(range(-180, 181, 15))) if dice.chance(0.7) else 0.0,
+    )
     keys, mean = _mean(dice, angular, q if dice.chance(0.7) else None)
     w, p = 2 * np.pi * frequency, np.radians(phase)
-    table = {f"amplitude{unit}": given, "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
+    table = (
+        {f"amplitude{unit}": given, "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
+    )
     return table, mean + float(amplitude) * np.sin(p), float(amplitude) * w * np.cos(p)
 
 
@@ -122,7 +130,11 @@ def _ramp(dice, angular, size, q):
     unit = dice.pick(["", "_deg"]) if angular else ""
     begin = dice.number(0.0, 0.4)
     given, ends = _in(unit, [q, q + dice.signed(0.1, 1.0) * size])
-    return {"time": [begin, round(begin + dice.number(0.4, 1.5), 3)], f"position{unit}": given}, float(ends[0]), 0.0
+    return (
+        {"time": [begin, round(begin + dice.number(0.4, 1.5), 3)], f"position{unit}": given},
+        float(ends[0]),
+        0.0,
+    )
 
 
 def _table(dice, angular, size, q):
@@ -134,7 +146,9 @@ def _table(dice, angular, size, q):
     return {"time": times, f"position{unit}": given} | reading, float(values[0]), rate
 
 
-PRESCRIBED = {"harmonic": _harmonic, "harmonics": _harmonics, "polynomial": _polynomial, "ramp": _ramp, "table": _table}
+PRESCRIBED = {
+    "harmonic": _harmonic, "harmonics": _harmonics, "polynomial": _polynomial, "ramp": _ramp, "table": _table,
+}  # fmt: skip
 
 
 # the ground
@@ -143,7 +157,8 @@ GROUND = {"acceleration": 1, "rotation": 1.6, "orbit": 1.2, "table": 2.2, "input
 
 
 def ground(dice, kinds=GROUND, site=0.0):
-    """A motion of the ground as (its table, pose (r, A) at time 0). site : m, how far from the inertial origin it is, if at all."""
+    """A motion of the ground as (its table, pose (r, A) at time 0). site : m,
+    how far from the inertial origin it is, if at all."""
     kind = dice.weighted(kinds)
 
     if kind == "acceleration":
@@ -168,9 +183,17 @@ def ground(dice, kinds=GROUND, site=0.0):
 
 
 INPUTS = (
-    ["position"], ["position", "velocity"], ["position", "speed"], ["position", "velocity", "acceleration"],
-    ["zyx"], ["position", "zyx"], ["euler_parameters"], ["euler_parameters", "omega"], ["zyx", "omega", "alpha"],
-    ["position", "velocity", "euler_parameters", "omega"], ["position", "speed", "acceleration", "zyx", "omega", "alpha"],
+    ["position"],
+    ["position", "velocity"],
+    ["position", "speed"],
+    ["position", "velocity", "acceleration"],
+    ["zyx"],
+    ["position", "zyx"],
+    ["euler_parameters"],
+    ["euler_parameters", "omega"],
+    ["zyx", "omega", "alpha"],
+    ["position", "velocity", "euler_parameters", "omega"],
+    ["position", "speed", "acceleration", "zyx", "omega", "alpha"],
     ["position", "euler_parameters", "omega", "alpha"],
 )
 
@@ -241,5 +264,9 @@ def load_over_time(dice) -> dict:
     """A force and a moment over time."""
     times = dice.ascending(dice.whole(3, 7), 0.0 if dice.chance(0.5) else 0.1, dice.number(0.8, 2.0))
     what = dice.some(("force", "moment"), 1)
-    table = {"time": times} | {key: [dice.vector(3.0 if key == "force" else 0.5) for _ in times] for key in what}
-    return table | ({"interpolation": dice.pick(["linear", "steps", "monotone", "cubic"])} if dice.chance(0.85) else {})
+    table = {"time": times} | {
+        key: [dice.vector(3.0 if key == "force" else 0.5) for _ in times] for key in what
+    }
+    return table | (
+        {"interpolation": dice.pick(["linear", "steps", "monotone", "cubic"])} if dice.chance(0.85) else {}
+    )

@@ -1,8 +1,15 @@
 """Names as people give them: with blanks, accents, quotes, other scripts."""
 
 BODIES = (
-    "link", "arm", "wheel", "Flügel", "blade", "große Rolle", "hull", "barre à roue", "α", "part #", "it's", "Körper (neu)",
-)
+    "link", "arm", "wheel", "Flügel", "blade",
+    "große Rolle",
+    "hull",
+    "barre à roue",
+    "α",
+    "part #",
+    "it's",
+    "Körper (neu)",
+)  # fmt: skip
 JOINTS = ("hinge", "joint", "slide", "Gelenk", "elbow", "axle ~", "liaison n°", "j", "Führung", "knee-joint")
 COUPLINGS = ("gear", "belt", "Zahnrad", "drive train")
 FORCES = ("strut", "spring", "Feder", "load", "mooring line", "water")

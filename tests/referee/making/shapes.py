@@ -9,7 +9,8 @@ from .frames import plane_axes, unit
 
 
 class Curve(NamedTuple):
-    """table: as written; s: a parameter of it; r, t, n (3,): the point there, the first and the second derivative by s."""
+    """table: as written; s: a parameter of it; r, t, n (3,): the point there,
+    the first and the second derivative by s."""
 
     table: dict
     s: float
@@ -39,19 +40,33 @@ def curve(dice, planar=False, kind=None):
         R = dice.number(0.3, 1.5)
         s = dice.number(-3, 3) * R
         c, d = np.cos(s / R), np.sin(s / R)
-        return Curve({"circle": {"radius": R}}, s, np.array([R * c, R * d, 0]), np.array([-d, c, 0]), np.array([-c, -d, 0]) / R)
+        return Curve(
+            {"circle": {"radius": R}},
+            s,
+            np.array([R * c, R * d, 0]),
+            np.array([-d, c, 0]),
+            np.array([-c, -d, 0]) / R,
+        )
 
     if kind == "parabola":
         c, s = dice.signed(0.2, 1.5), dice.number(-0.7, 0.7)
         return Curve(
-            {"parabola": {"coefficient": c}}, s, np.array([s, c * s * s, 0]), np.array([1, 2 * c * s, 0]), np.array([0, 2 * c, 0])
+            {"parabola": {"coefficient": c}},
+            s,
+            np.array([s, c * s * s, 0]),
+            np.array([1, 2 * c * s, 0]),
+            np.array([0, 2 * c, 0]),
         )
 
     if kind == "cycloid":
         R, s = dice.number(0.3, 1.0), dice.number(-1.5, 1.5)
         c, d = np.cos(s), np.sin(s)
         return Curve(
-            {"cycloid": {"radius": R}}, s, R * np.array([s + d, 1 - c, 0]), R * np.array([1 + c, d, 0]), R * np.array([-d, c, 0])
+            {"cycloid": {"radius": R}},
+            s,
+            R * np.array([s + d, 1 - c, 0]),
+            R * np.array([1 + c, d, 0]),
+            R * np.array([-d, c, 0]),
         )
 
     return _through_points(dice, planar, kind)
@@ -67,7 +82,9 @@ def _through_points(dice, planar, kind):
         points = np.column_stack([radii * np.cos(angles), radii * np.sin(angles), np.zeros(n)])
     else:
         x = np.linspace(-1.5, 1.5, n)
-        points = np.column_stack([x, dice.number(0.1, 0.4) * x * x + 0.1 * np.sin(3 * x + dice.number(-2, 2)), np.zeros(n)])
+        points = np.column_stack(
+            [x, dice.number(0.1, 0.4) * x * x + 0.1 * np.sin(3 * x + dice.number(-2, 2)), np.zeros(n)]
+        )
 
     height = 0.0
     if not planar and dice.chance(0.5):
@@ -103,7 +120,9 @@ class Surface(NamedTuple):
 
 def surface(dice, kind=None):
     """A random `Surface`."""
-    kind = kind or dice.weighted({"plane": 1, "sphere": 1, "cylinder": 1, "torus": 1, "prism": 6, "table": 1.3})
+    kind = kind or dice.weighted(
+        {"plane": 1, "sphere": 1, "cylinder": 1, "torus": 1, "prism": 6, "table": 1.3}
+    )
 
     if kind == "plane":
         s = dice.vector(0.8, 2)
@@ -113,7 +132,9 @@ def surface(dice, kind=None):
         profile = curve(dice, planar=True, kind=dice.weighted(PROFILES))
         z = dice.number(-0.5, 0.5)
         r = profile.r + [0, 0, z]
-        return Surface({"prism": {"profile": profile.table}}, [profile.s, z], r, np.cross(profile.t, [0, 0, 1]))
+        return Surface(
+            {"prism": {"profile": profile.table}}, [profile.s, z], r, np.cross(profile.t, [0, 0, 1])
+        )
 
     if kind == "table":
         return _through_grid(dice)
@@ -138,7 +159,10 @@ def _through_grid(dice):
     s1, s2 = np.linspace(-1.5, 1.5, n1).round(3), np.linspace(-1.5, 1.5, n2).round(3)
     bend, tilt = dice.vector(0.3, 2), dice.vector(0.2, 2)
     points = [
-        [[x, y, round(float(bend[0] * x * x + bend[1] * y * y + tilt[0] * x + tilt[1] * y * x), 3)] for y in s2.tolist()]
+        [
+            [x, y, round(float(bend[0] * x * x + bend[1] * y * y + tilt[0] * x + tilt[1] * y * x), 3)]
+            for y in s2.tolist()
+        ]
         for x in s1.tolist()
     ]
     at = [dice.number(-0.6, 0.6), dice.number(-0.6, 0.6)]

@@ -4,22 +4,29 @@ from . import bodies, forces, shapes
 
 REACTIONS = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body")
 JOINT = {
-    "revolute": ("angle", "speed", "acceleration", "power"), "prismatic": ("position", "speed", "acceleration", "power"),
-    "screw": ("position", "speed", "angle", "angular_speed"), "cylindrical": ("position", "speed", "angle", "angular_speed"),
-    "universal": ("angles", "speeds"), "planar": ("position", "angle", "velocity", "angular_speed"),
-    "translation": ("position", "velocity"), "spherical": ("euler_parameters", "zyx", "zyx_rate", "omega", "alpha"),
+    "revolute": ("angle", "speed", "acceleration", "power"),
+    "prismatic": ("position", "speed", "acceleration", "power"),
+    "screw": ("position", "speed", "angle", "angular_speed"),
+    "cylindrical": ("position", "speed", "angle", "angular_speed"),
+    "universal": ("angles", "speeds"),
+    "planar": ("position", "angle", "velocity", "angular_speed"),
+    "translation": ("position", "velocity"),
+    "spherical": ("euler_parameters", "zyx", "zyx_rate", "omega", "alpha"),
     "free": ("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"),
-    "point_on_curve": ("s", "s_rate"), "curve_on_curve": ("s", "s_rate"), "point_on_surface": ("s", "s_rate"),
+    "point_on_curve": ("s", "s_rate"),
+    "curve_on_curve": ("s", "s_rate"),
+    "point_on_surface": ("s", "s_rate"),
 }
 EFFORTS = {part: f"{part}_effort" for part in ("spring", "damper", "friction", "stop", "input")}
 SCENE = (
-    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power", "load_power",
-    "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap",
-    "constraint_rate", "multipliers",
-)
+    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power",
+    "load_power", "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass",
+    "constraint_gap", "constraint_rate", "multipliers",
+)  # fmt: skip
 MEASURES = (
-    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega",
-)
+    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx",
+    "zyx_rate", "omega",
+)  # fmt: skip
 STRUT = ("length", "rate", "tension", "spring_force", "damper_force", "power")
 
 
@@ -101,7 +108,9 @@ def solver(dice) -> dict:
     fixed = dice.chance(0.25)
 
     if dice.chance(0.7) or fixed:
-        table["integrator"] = dice.pick(["rk4", "ros2", "gauss"] if fixed else ["auto", "rk54", "rk853", "radau"])
+        table["integrator"] = dice.pick(
+            ["rk4", "ros2", "gauss"] if fixed else ["auto", "rk54", "rk853", "radau"]
+        )
     if fixed:
         table["step"] = dice.pick([1e-3, 2e-3, 5e-3])
     else:
@@ -119,6 +128,8 @@ def solver(dice) -> dict:
     if dice.chance(0.3):
         table["closing_tolerance"] = dice.pick([1e-8, 1e-9, 1e-10])
     if dice.chance(0.4):
-        table["output"] = dice.some(["steps", "rejected_steps", "evaluations"] + ([] if fixed else ["estimated_error"]))
+        table["output"] = dice.some(
+            ["steps", "rejected_steps", "evaluations"] + ([] if fixed else ["estimated_error"])
+        )
 
     return table
