@@ -34,7 +34,8 @@ def main():
     parser.add_argument("--again", action="store_true", help="with --resume: try the survivors again")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--undone", choices=("referee", "tests"), nargs="?", const="referee",
-                        help="undo mendings of the package instead, and run the referee (or the tests of each)")  # fmt: skip
+                        help="undo mendings of the package instead, and run the referee "
+                             "(or the tests of each)")  # fmt: skip
     options = parser.parse_args()
     console = Console(soft_wrap=True)
 

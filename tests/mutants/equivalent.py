@@ -3,7 +3,8 @@
 EQUIVALENT = [
     (
         "kernels/assembly.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
-        "any way to a position nearby will do to see which rows stay redundant: it is projected onto the constraints there",
+        "any way to a position nearby will do to see which rows stay redundant: "
+        "it is projected onto the constraints there",
     ),
     (
         "kernels/commands.py", "kind = m.drive_turn[2 * k]", "kind = m.drive_turn[k]",

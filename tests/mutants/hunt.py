@@ -19,8 +19,9 @@ from .operators import Mutant
 from .reach import PACKAGE, ROOT, environment
 
 # what tests import takes longer than they do: it is there already in the processes that are forked for them
-for module in ("numba.core", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.spatial.transform", "pydantic",
-               "hypothesis.strategies", "lxml.etree", "fmpy", "mpmath", "rich.progress", "llvmlite.binding"):  # fmt: skip
+for module in ("numba.core", "scipy.integrate", "scipy.interpolate", "scipy.optimize",
+               "scipy.spatial.transform", "pydantic", "hypothesis.strategies", "lxml.etree", "fmpy", "mpmath",
+               "rich.progress", "llvmlite.binding"):  # fmt: skip
     importlib.import_module(module)
 
 FORK = multiprocessing.get_context("fork")
@@ -42,10 +43,11 @@ THOROUGH = {
     "explicit implicit gauss control integrate": "steppers integrate between_steps",
     "interpolation tables elastic": "tables drivers",
     "project": "starts",
-    "checks bodies orientation fields motion efforts forces solids tables": "scene scene_fuzz told starts tables",
+    "checks bodies orientation fields motion efforts forces solids tables":
+        "scene scene_fuzz::test_messages told starts tables",
     "notices light_parts": "told notices light_parts",
     "builder joints absolute": "structure starts inverse_joints",
-}
+}  # fmt: skip
 """Tests (tests/test_...) that are run whole where the quick ones notice nothing,
 by names of the files of mutants."""
 
@@ -186,6 +188,14 @@ def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[s
     return found or Verdict(SURVIVED, "", time.perf_counter() - begin)
 
 
+def thorough_tests(mutant: Mutant) -> list[str]:
+    """Files of tests, or single ones, that are run whole against a mutant."""
+    subject = Path(mutant.file).stem
+    named = {name for files, names in THOROUGH.items() if subject in files.split() for name in names.split()}
+    parts = [name.partition("::") for name in sorted(named)]
+    return [f"tests/test_{file}.py{colons}{test}" for file, colons, test in parts]
+
+
 def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float], thorough=True) -> Verdict:
     """What comes of one mutant; `thorough`: by whole files of tests of its subject, too."""
     tests = reaching(mutant, by_line, times)
@@ -203,18 +213,9 @@ def hunt(mutant: Mutant, copy: Copy, by_line: dict, times: dict[str, float], tho
             if batch and (found := copy.first_failure(batch, times)):
                 return found
 
-        named = {
-            name
-            for files, names in THOROUGH.items()
-            if Path(mutant.file).stem in files.split()
-            for name in names.split()
-        }
+        named = thorough_tests(mutant) if thorough else []
 
-        if (
-            thorough
-            and named
-            and (found := copy.failure_of([f"tests/test_{name}.py" for name in sorted(named)], THOROUGHLY))
-        ):
+        if named and (found := copy.failure_of(named, THOROUGHLY)):
             return found
     finally:
         copy.write(mutant.file, mutant.source)

@@ -48,15 +48,17 @@ class Mutant:
 
 
 TWINS = [
-    ("first", "second"), ("omega", "alpha"), ("w", "alpha"), ("velocity", "acceleration"), ("position", "velocity"),
-    ("position", "speed"), ("angle", "speed"), ("lower", "upper"), ("stiffness", "damping"), ("force", "moment"), ("a", "b"),
-    ("r", "rd"), ("rd", "rdd"), ("i", "j"), ("x", "y"), ("kinetic_energy", "gravity_energy"), ("marker_a", "marker_b"),
-    ("contact_a", "contact_b"), ("q", "v"), ("n_q", "n_v"), ("row", "column"), ("amplitude", "mean"), ("yaw", "roll"),
-    ("omega_body", "omega"), ("low", "high"), ("begin", "end"), ("min", "max"), ("sin", "cos"), ("s1", "s2"), ("r1", "r2"),
-    ("r11", "r22"), ("t", "tt"), ("w_a", "w_b"), ("v_a", "v_b"), ("A_a", "A_b"), ("r_a", "r_b"), ("t_a", "t_b"), ("p", "P"),
-    ("here", "there"), ("before", "after"), ("old", "new"), ("n_e", "n_v"), ("dx", "dy"), ("left", "right"), ("c", "s"),
-    ("radius", "length"), ("radius", "tube"), ("radius", "inner_radius"), ("strut_a", "strut_b"), ("linear_a", "linear_b"),
-    ("input_axes", "axes"), ("body_r", "body_A"), ("smaller", "larger"), ("value", "slope"), ("POSITION", "VELOCITY"),
+    ("first", "second"), ("omega", "alpha"), ("w", "alpha"), ("velocity", "acceleration"),
+    ("position", "velocity"), ("position", "speed"), ("angle", "speed"), ("lower", "upper"),
+    ("stiffness", "damping"), ("force", "moment"), ("a", "b"), ("r", "rd"), ("rd", "rdd"), ("i", "j"),
+    ("x", "y"), ("kinetic_energy", "gravity_energy"), ("marker_a", "marker_b"), ("contact_a", "contact_b"),
+    ("q", "v"), ("n_q", "n_v"), ("row", "column"), ("amplitude", "mean"), ("yaw", "roll"),
+    ("omega_body", "omega"), ("low", "high"), ("begin", "end"), ("min", "max"), ("sin", "cos"), ("s1", "s2"),
+    ("r1", "r2"), ("r11", "r22"), ("t", "tt"), ("w_a", "w_b"), ("v_a", "v_b"), ("A_a", "A_b"), ("r_a", "r_b"),
+    ("t_a", "t_b"), ("p", "P"), ("here", "there"), ("before", "after"), ("old", "new"), ("n_e", "n_v"),
+    ("dx", "dy"), ("left", "right"), ("c", "s"), ("radius", "length"), ("radius", "tube"),
+    ("radius", "inner_radius"), ("strut_a", "strut_b"), ("linear_a", "linear_b"), ("input_axes", "axes"),
+    ("body_r", "body_A"), ("smaller", "larger"), ("value", "slope"), ("POSITION", "VELOCITY"),
 ]  # fmt: skip
 
 TRANSPOSED = {"mat_vec": "matT_vec", "matT_vec": "mat_vec"}
@@ -70,8 +72,8 @@ ORDERED = {
 """Functions of two arguments of one type whose order counts (`dot` only of matrices, in numpy)."""
 
 OPPOSITE = {
-    ast.Lt: ">=", ast.LtE: ">", ast.Gt: "<=", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "==", ast.Is: "is not", ast.IsNot: "is",
-    ast.In: "not in", ast.NotIn: "in",
+    ast.Lt: ">=", ast.LtE: ">", ast.Gt: "<=", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "==", ast.Is: "is not",
+    ast.IsNot: "is", ast.In: "not in", ast.NotIn: "in",
 }  # fmt: skip
 
 
@@ -191,8 +193,12 @@ class _Places(ast.NodeVisitor):
             gap = self.source[slice(*between)]
             old, new = ("+", "-") if isinstance(node.op, ast.Add) else ("-", "+")
             indexing = isinstance(node.right, ast.Constant) or isinstance(node.left, ast.Constant)
-            texts = [part for part in (node.left, node.right) if isinstance(part, ast.Constant | ast.JoinedStr | ast.List)
-                     and not isinstance(getattr(part, "value", None), int | float)]  # fmt: skip
+            texts = [
+                part
+                for part in (node.left, node.right)
+                if isinstance(part, ast.Constant | ast.JoinedStr | ast.List)
+                and not isinstance(getattr(part, "value", None), int | float)
+            ]
 
             if not texts and gap.count(old) == 1:
                 self.add("sign", node, gap.replace(old, new), between)

@@ -22,9 +22,10 @@ from .generator import FOCUS, draw
 from .interpreter import Interpreter
 from .verdicts import Verdict, judge
 
-HELP = """Draws random scenes over the whole schema, runs each in several ways (formulations, steppers, tolerances,
-communication steps, in process and as FMU, compiled and interpreted, from snapshots, after a reset), and compares them with each
-other, with an independent route and with the laws of mechanics. Ends with 1 when something is found.
+HELP = """Draws random scenes over the whole schema, runs each in several ways (formulations, steppers,
+tolerances, communication steps, in process and as FMU, compiled and interpreted, from snapshots, after a
+reset), and compares them with each other, with an independent route and with the laws of mechanics. Ends with
+1 when something is found.
 
 examples:
   python -m tests.referee --seed 1 --scenes 20          scenes of the seeds 1 to 20
@@ -106,8 +107,9 @@ def one(seed, options, interpreter=None):
     data = _scene(seed, options)
     verdict = _verdict(data, seed, options, interpreter)
     line = {
-        "seed": seed, "focus": options.focus, "seconds": round(verdict.seconds, 2), "refused": verdict.refused,
-        "findings": [str(finding) for finding in verdict.findings], "made": verdict.count.made, "loose": verdict.count.loose,
+        "seed": seed, "focus": options.focus, "seconds": round(verdict.seconds, 2),
+        "refused": verdict.refused, "findings": [str(finding) for finding in verdict.findings],
+        "made": verdict.count.made, "loose": verdict.count.loose,
         "other": verdict.count.other, "keys": sorted(coverage.keys_of(data)),
     }  # fmt: skip
 
@@ -196,7 +198,8 @@ def _end(lines):
     made, loose = sum(line["made"] for line in lines), sum(line["loose"] for line in lines)
     refused = sum(line["refused"] is not None for line in lines)
     console.print(
-        f"{len(lines)} scenes in {seconds:.0f} s, {refused} refused; {made} comparisons, {loose} of them of motions too wild to compare; "
+        f"{len(lines)} scenes in {seconds:.0f} s, {refused} refused; {made} comparisons, {loose} of them "
+        "of motions too wild to compare; "
         + "; ".join(f"{name}: {n}" for name, n in sorted(other.items()) if n)
     )
     console.print(

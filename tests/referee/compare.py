@@ -219,6 +219,7 @@ def same(run, other, why):
 
         if len(differ):
             c = int(differ[0])
-            return [Finding("not the same", str(run.way), run.names[c], run.times[k], run.values[k][c], other.values[k][c], 0.0, why)]
+            return [Finding("not the same", str(run.way), run.names[c], run.times[k], run.values[k][c],
+                            other.values[k][c], 0.0, why)]
 
     return []

@@ -113,13 +113,13 @@ def _taste(dice, size, focus, start):
     taste = {
         "size": n, "tree": FAMILIES[family][1], "cuts": LOOPS, "bodies": SORTS, "start": starts,
         "range": RANGES.get(starts, (1.0,)), "branching": dice.pick([0.0, 0.5, 1.0]),
-        "planar": dice.pick([0.0, 0.0, 0.0, 0.25]), "wheel": dice.pick([0.0, 0.1, 0.4]), "fast": 0.3, "off axis": 0.1,
-        "loops": (loops, loops), "couplings": (couplings, couplings),
+        "planar": dice.pick([0.0, 0.0, 0.0, 0.25]), "wheel": dice.pick([0.0, 0.1, 0.4]), "fast": 0.3,
+        "off axis": 0.1, "loops": (loops, loops), "couplings": (couplings, couplings),
         "offset": 0.5, "misfit": 0.5 if starts in ("off", "contradicting") else 0.0,
-        "driver": dice.pick([0.0, 0.4, 0.7]), "drivers": motions.WAYS, "spring": 0.3, "damper": 0.3, "friction": 0.12,
-        "stop": 0.2, "input": dice.pick([0.0, 0.2, 0.5]), "forces": (0, 1 + n // 3), "force kinds": forces.KINDS,
-        "added mass": 0.4, "ground": 0.4, "grounds": motions.GROUND, "measures": (0, dice.pick([0, 1, 2])),
-        "central": 0.05, "outputs": {"all": 2, "some": 3, "few": 2},
+        "driver": dice.pick([0.0, 0.4, 0.7]), "drivers": motions.WAYS, "spring": 0.3, "damper": 0.3,
+        "friction": 0.12, "stop": 0.2, "input": dice.pick([0.0, 0.2, 0.5]), "forces": (0, 1 + n // 3),
+        "force kinds": forces.KINDS, "added mass": 0.4, "ground": 0.4, "grounds": motions.GROUND,
+        "measures": (0, dice.pick([0, 1, 2])), "central": 0.05, "outputs": {"all": 2, "some": 3, "few": 2},
     }
     return taste | {key: value for key, value in FOCUS.get(focus, {}).items() if key in taste}
 

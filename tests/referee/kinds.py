@@ -134,7 +134,8 @@ def grounds():
             },
             force={
                 "water": {"linear": water, "between": ["ground.sea", "f.end"]},
-                "tether": {"spring_damper": {"stiffness": 30, "damping": 1, "rest_length": 0.2}, "between": ["inertial", "f"]},
+                "tether": {"spring_damper": {"stiffness": 30, "damping": 1, "rest_length": 0.2},
+                           "between": ["inertial", "f"]},
             },
             measure={"m": {"between": ["inertial", "ground.post"], "output": []},
                      "n": {"between": ["f.end", "b.end"], "output": []}},
@@ -176,8 +177,10 @@ def efforts():
     for q, v in ((0.7, 0.9), (0.7, -3.0), (-0.9, -0.4), (-0.9, 4.0), (0.1, 0.05)):
         stop = {"lower_deg": -25, "upper": 0.5, "stiffness": 40, "damping": 6}
         found[f"friction and stops at {q}, {v}"] = pair(
-            hinge(friction=friction, stop=stop, spring={"stiffness": 3, "rest_deg": 20}, start={"angle": q, "speed": v}),
-            slide(friction={"coulomb": 0.4}, stop={"upper": 0.5, "stiffness": 30}, start={"position": q, "speed": v}, damper=0.3),
+            hinge(friction=friction, stop=stop, spring={"stiffness": 3, "rest_deg": 20},
+                  start={"angle": q, "speed": v}),
+            slide(friction={"coulomb": 0.4}, stop={"upper": 0.5, "stiffness": 30},
+                  start={"position": q, "speed": v}, damper=0.3),
         )
 
     return found
@@ -198,7 +201,8 @@ def bodies():
     ]
     frames = {
         "e": {"euler_parameters": [0.1, 0.2, 0.3, 0.9273618495495704]}, "z": {"zyx_rad": [0.3, -0.4, 0.5]},
-        "q": {"axis_angle": {"axis": "-y", "angle_rad": 0.7}}, "x": {"axes": {"z": [1, 1, 1], "x": [1, 0, 0]}},
+        "q": {"axis_angle": {"axis": "-y", "angle_rad": 0.7}},
+        "x": {"axes": {"z": [1, 1, 1], "x": [1, 0, 0]}},
         "y": {"axes": {"y": "-z", "x": [1, 2, 0]}},
     }  # fmt: skip
     inertia = BODY | {
@@ -210,12 +214,14 @@ def bodies():
     for k, frame in enumerate(frames):
         part = {"solid": solids[k:] + solids[:1] if k != 1 else solids[1], "marker": frames}
         found[f"frame {frame}"] = scene(
-            body={"a": part, "b": inertia | {"marker": {"m": {"zyx_deg": [1, 2, 3], "position": [0.3, 0, 0]}}}},
+            body={"a": part, "b": inertia | {"marker": {"m": {"zyx_deg": [1, 2, 3],
+                                                              "position": [0.3, 0, 0]}}}},
             joint={
                 "one": {"universal": {"axes": [[1, 1, 0], [0, 0, 1]]}, "between": ["ground", f"a.{frame}"],
                         "start": {"angles_deg": [20, 30], "speeds": [1, 2]}},
                 "two": {"planar": {"normal": [1, 2, 3]}, "between": [f"a.{frame}", "b.m"],
-                        "start": {"position": [0.3, 0.4], "angle_deg": 500, "velocity": [1, 2], "angular_speed_rpm": 30}},
+                        "start": {"position": [0.3, 0.4], "angle_deg": 500, "velocity": [1, 2],
+                                  "angular_speed_rpm": 30}},
             },
         )  # fmt: skip
 
@@ -296,7 +302,8 @@ def contacts():
     path = [[x, 0.3 * np.sin(2 * x), 0.1 * x * x] for x in np.linspace(-1, 1, 7)]
     flat = [[x, 0.3 * np.sin(2 * x)] for x in np.linspace(-1, 1, 7)]
     curves = {
-        "line": {"line": {}}, "circle": {"circle": {"radius": 0.6}}, "parabola": {"parabola": {"coefficient": 0.7}},
+        "line": {"line": {}}, "circle": {"circle": {"radius": 0.6}},
+        "parabola": {"parabola": {"coefficient": 0.7}},
         "cycloid": {"cycloid": {"radius": 0.4}}, "ring": {"spline": {"points": ring, "closed": True}},
         "path": {"spline": {"points": path}},
         "table": {"table": {"s": np.linspace(0, 3, 7).tolist(), "points": path}},
@@ -304,8 +311,10 @@ def contacts():
     grid = np.linspace(-1, 1, 5)
     hill = [[[x, y, 0.2 * np.cos(2 * x) * np.cos(y) + 0.1 * x] for y in grid] for x in grid]
     surfaces = {
-        "plane": {"plane": {}}, "sphere": {"sphere": {"radius": 0.7}}, "cylinder": {"cylinder": {"radius": 0.5}},
-        "torus": {"torus": {"radius": 0.8, "tube": 0.3}}, "prism": {"prism": {"profile": {"spline": {"points": flat}}}},
+        "plane": {"plane": {}}, "sphere": {"sphere": {"radius": 0.7}},
+        "cylinder": {"cylinder": {"radius": 0.5}},
+        "torus": {"torus": {"radius": 0.8, "tube": 0.3}},
+        "prism": {"prism": {"profile": {"spline": {"points": flat}}}},
         "table": {"table": {"s1": grid.tolist(), "s2": grid.tolist(), "points": hill}},
     }  # fmt: skip
     start = {"position": [0.35, 0.3, 0.3], "velocity": [0.3, 0.4, 0.1], "omega": [1, 2, 3]}
@@ -334,8 +343,10 @@ def contacts():
             body={"cam": BODY | {"marker": {"m": {"curve": shape, "position": [0.1, 0, 0]}}},
                   "f": BODY | {"marker": {"m": {"curve": follower, "position": [0.0, 0.0, 0.2]}}}},
             joint={
-                "turn": {"revolute": {}, "between": ["ground.axle", "cam"], "start": {"angle": 0.2, "speed": 2.0}},
-                "slide": {"prismatic": {"axis": "y"}, "between": ["ground.axle", "f"], "start": {"position": 0.7}},
+                "turn": {"revolute": {}, "between": ["ground.axle", "cam"],
+                         "start": {"angle": 0.2, "speed": 2.0}},
+                "slide": {"prismatic": {"axis": "y"}, "between": ["ground.axle", "f"],
+                          "start": {"position": 0.7}},
                 "touch": {"curve_on_curve": {}, "between": ["cam.m", "f.m"]},
             },
         )  # fmt: skip
@@ -368,6 +379,6 @@ def commands():
 
 
 FAMILIES = {
-    "drivers": drivers, "grounds": grounds, "efforts": efforts, "bodies": bodies, "forces": forces, "couplings": couplings,
-    "contacts": contacts, "commands": commands,
+    "drivers": drivers, "grounds": grounds, "efforts": efforts, "bodies": bodies, "forces": forces,
+    "couplings": couplings, "contacts": contacts, "commands": commands,
 }  # fmt: skip

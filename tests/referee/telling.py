@@ -4,8 +4,8 @@ import copy
 import unicodedata
 
 MARKER = [
-    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body",
-    "acceleration_body", "omega_body", "alpha_body",
+    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha",
+    "velocity_body", "acceleration_body", "omega_body", "alpha_body",
 ]  # fmt: skip
 MEASURE = [
     "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx",
@@ -14,9 +14,9 @@ MEASURE = [
 REACTIONS = ["reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body"]
 PARTS = ("spring", "damper", "friction", "stop", "input", "driver")
 SCENE = [
-    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power", "load_power",
-    "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap",
-    "constraint_rate",
+    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power",
+    "load_power", "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass",
+    "constraint_gap", "constraint_rate",
 ]  # fmt: skip
 JOINT = {
     "revolute": ["angle", "speed", "acceleration", "power"],

@@ -61,19 +61,23 @@ def test_every_key_is_in_at_least_twenty_scenes_of_a_long_run():
 def test_keys_of_a_scene():
     data = {
         "name": "keys",
-        "body": {"b": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], "marker": {"m": {"output": ["zyx"]}}}},
+        "body": {"b": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+                       "marker": {"m": {"output": ["zyx"]}}}},
         "joint": {"j": {
-            "revolute": {"axis": [0, 1, 0]}, "between": ["ground", "b.m"], "damper": {"table": {"speed": [0, 1], "effort": [0, 1]}},
+            "revolute": {"axis": [0, 1, 0]}, "between": ["ground", "b.m"],
+            "damper": {"table": {"speed": [0, 1], "effort": [0, 1]}},
             "driver": {"table": {"time": [0, 1], "position_deg": [0, 1], "interpolation": "quintic"}},
         }},
     }  # fmt: skip
     Scene.model_validate(data)
     assert coverage.keys_of(data) == {
-        "name", "body", "body.mass", "body.inertia", "body.inertia=6", "body.marker", "body.marker.output", "body.marker.output=zyx",
-        "joint", "joint.revolute", "joint.revolute.axis", "joint.revolute.axis=vector", "joint.revolute.between",
-        "joint.revolute.damper", "joint.revolute.damper.table", "joint.revolute.damper.table.speed",
+        "name", "body", "body.mass", "body.inertia", "body.inertia=6", "body.marker", "body.marker.output",
+        "body.marker.output=zyx", "joint", "joint.revolute", "joint.revolute.axis",
+        "joint.revolute.axis=vector", "joint.revolute.between", "joint.revolute.damper",
+        "joint.revolute.damper.table", "joint.revolute.damper.table.speed",
         "joint.revolute.damper.table.effort", "joint.revolute.driver", "joint.revolute.driver.table",
-        "joint.revolute.driver.table.time", "joint.revolute.driver.table.position_deg", "joint.revolute.driver.table.interpolation",
+        "joint.revolute.driver.table.time", "joint.revolute.driver.table.position_deg",
+        "joint.revolute.driver.table.interpolation",
         "joint.revolute.driver.table.interpolation=quintic",
     }  # fmt: skip
 

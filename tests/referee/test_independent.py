@@ -86,7 +86,8 @@ def test_random_trees(seed):
     assert differences(data, seed) == []
 
 
-LOOPS = ("revolute", "universal", "spherical", "cylindrical", "screw", "planar", "distance", "point_on_line", "point_on_plane",
+LOOPS = ("revolute", "universal", "spherical", "cylindrical", "screw", "planar", "distance", "point_on_line",
+         "point_on_plane",
          "knife_edge", "rolling_sphere", "rolling_disk")  # fmt: skip
 
 
@@ -104,7 +105,8 @@ def test_every_kind(family):
 
 RUNS = {
     "four bar": "four_bar", "disk": "rolling_disk", "cam": ("contacts", "cam ring"),
-    "moving ground": ("grounds", "smooth"), "screw": ("couplings", "screw joint"), "track": ("contacts", "point on curve ring"),
+    "moving ground": ("grounds", "smooth"), "screw": ("couplings", "screw joint"),
+    "track": ("contacts", "point on curve ring"),
 }  # fmt: skip
 
 

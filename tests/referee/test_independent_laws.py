@@ -64,7 +64,8 @@ def test_orientations(written, A):
         ({"cylinder": {"radius": 2, "length": 3, "mass": 12}}, 12, [21, 21, 24]),
         ({"cylinder": {"radius": 2, "length": 3, "mass": 12}, "axis": "x"}, 12, [24, 21, 21]),
         ({"tube": {"radius": 2, "inner_radius": 1, "length": 3, "mass": 12}}, 12, [24, 24, 30]),
-        ({"tube": {"radius": 2, "inner_radius": 1, "length": 4, "density": 1}}, 12 * np.pi, np.pi * np.array([31, 31, 30])),
+        ({"tube": {"radius": 2, "inner_radius": 1, "length": 4, "density": 1}}, 12 * np.pi,
+         np.pi * np.array([31, 31, 30])),
     ],
 )  # fmt: skip
 def test_solids(solid, mass, moments):
@@ -113,8 +114,10 @@ def turned(angle, speed):
 def test_efforts_of_a_hinge():
     """On the second marker: spring from its rest in degrees, damper, friction, stop, input."""
     joint = hinge(
-        spring={"stiffness": 3, "rest_deg": 90}, damper=0.5, stop={"upper_deg": 45, "stiffness": 10, "damping": 2},
-        friction={"coulomb": 1, "static": 2, "stribeck_speed": 0.5, "viscous": 0.1, "smoothing_speed": 0.4}, input="torque",
+        spring={"stiffness": 3, "rest_deg": 90}, damper=0.5,
+        stop={"upper_deg": 45, "stiffness": 10, "damping": 2},
+        friction={"coulomb": 1, "static": 2, "stribeck_speed": 0.5, "viscous": 0.1, "smoothing_speed": 0.4},
+        input="torque",
     )  # fmt: skip
     found = told(turned(1.0, 0.5), {"j.torque": 7.0}, body={"a": BALL}, joint=joint)
     parts = {
@@ -188,10 +191,12 @@ def driven(**driver):
     "driver, position, speed, acceleration",
     [
         ({"harmonic": {"amplitude_deg": 90, "frequency": 1, "phase_deg": 30, "mean_deg": 10}},
-         np.pi / 18 + np.pi / 2 * np.sin(2 * np.pi / 3), np.pi**2 * np.cos(2 * np.pi / 3), -2 * np.pi**3 * np.sin(2 * np.pi / 3)),
+         np.pi / 18 + np.pi / 2 * np.sin(2 * np.pi / 3), np.pi**2 * np.cos(2 * np.pi / 3),
+         -2 * np.pi**3 * np.sin(2 * np.pi / 3)),
         ({"polynomial": {"coefficients": [1, 2, 3]}}, 1.6875, 3.5, 6),
         ({"ramp": {"time": [0, 0.5], "position_deg": [0, 180]}}, np.pi / 2, 1.875 * np.pi / 0.5, 0),
-        ({"table": {"time": [0, 1], "position_deg": [0, 180], "interpolation": "linear"}}, np.pi / 4, np.pi, 0),
+        ({"table": {"time": [0, 1], "position_deg": [0, 180], "interpolation": "linear"}}, np.pi / 4, np.pi,
+         0),
     ],
 )  # fmt: skip
 def test_drivers(driver, position, speed, acceleration):
@@ -208,7 +213,8 @@ def test_drivers(driver, position, speed, acceleration):
 def test_a_speed_table_is_integrated():
     """From the joint's start position on: t^2 / 2 of a speed t."""
     system = System({"name": "s", "body": {"a": BALL}, "joint": hinge(
-        start={"angle": 0.2}, driver={"speed_table": {"time": [0, 1], "speed": [0, 1], "interpolation": "linear"}})})  # fmt: skip
+        start={"angle": 0.2},
+        driver={"speed_table": {"time": [0, 1], "speed": [0, 1], "interpolation": "linear"}})})  # fmt: skip
     system.evaluate(0.0, turned(0.2, 0.0))
     close(system.evaluate(0.5, turned(0.325, 0.5))["constraint residuals"], np.zeros(6))
     close(system.evaluate(3.0, turned(0.7 + 2, 1.0))["constraint residuals"], np.zeros(6))
@@ -303,12 +309,17 @@ def test_central_gravity():
 @pytest.mark.parametrize(
     "motion, t, r, A, v, w",
     [
-        ({"acceleration": [0, 0, 2], "velocity": [1, 0, 0], "position": [5, 0, 0]}, 3.0, [8, 0, 9], I3, [1, 0, 6], [0, 0, 0]),
-        ({"rotation": {"axis": "z", "speed_deg": 90, "point": [1, 0, 0]}}, 1.0, [1, -1, 0], about("z", np.pi / 2),
+        ({"acceleration": [0, 0, 2], "velocity": [1, 0, 0], "position": [5, 0, 0]}, 3.0, [8, 0, 9], I3,
+         [1, 0, 6], [0, 0, 0]),
+        ({"rotation": {"axis": "z", "speed_deg": 90, "point": [1, 0, 0]}}, 1.0, [1, -1, 0],
+         about("z", np.pi / 2),
          [np.pi / 2, 0, 0], [0, 0, np.pi / 2]),
-        ({"orbit": {"radius": 2, "rate": 0.5, "phase_deg": 90}}, 0.0, [0, 2, 0], about("z", np.pi / 2), [-1, 0, 0], [0, 0, 0.5]),
-        ({"orbit": {"radius": 2, "rate": 0.5, "normal": "y", "pointing": False}}, 0.0, [2, 0, 0], I3, [0, 0, -1], [0, 0, 0]),
-        ({"orbit": {"radius": 2, "rate": 0.5, "normal": "x", "pointing": False}}, 0.0, [0, 2, 0], I3, [0, 0, 1], [0, 0, 0]),
+        ({"orbit": {"radius": 2, "rate": 0.5, "phase_deg": 90}}, 0.0, [0, 2, 0], about("z", np.pi / 2),
+         [-1, 0, 0], [0, 0, 0.5]),
+        ({"orbit": {"radius": 2, "rate": 0.5, "normal": "y", "pointing": False}}, 0.0, [2, 0, 0], I3,
+         [0, 0, -1], [0, 0, 0]),
+        ({"orbit": {"radius": 2, "rate": 0.5, "normal": "x", "pointing": False}}, 0.0, [0, 2, 0], I3,
+         [0, 0, 1], [0, 0, 0]),
     ],
 )  # fmt: skip
 def test_grounds_that_move(motion, t, r, A, v, w):
@@ -341,7 +352,8 @@ def test_a_universal_joint_turns_about_the_first_axis_then_the_second():
 
 def test_a_screw_advances_by_its_pitch_in_a_turn():
     joint = {"s": {"screw": {"axis": "y", "pitch": 0.5}, "between": ["ground", "a"], "input": "torque"}}
-    found = told({"a": (np.array([0, 0.6, 0]), about("y", 2.4 * np.pi), np.zeros(3), np.zeros(3))}, {"s.torque": 2.0},
+    found = told({"a": (np.array([0, 0.6, 0]), about("y", 2.4 * np.pi), np.zeros(3), np.zeros(3))},
+                 {"s.torque": 2.0},
                  body={"a": BALL}, joint=joint)  # fmt: skip
     close([found["s.angle"], found["s.position"]], [2.4 * np.pi, 0.6])
     close(found["constraint residuals"], np.zeros(5))

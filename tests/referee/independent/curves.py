@@ -144,7 +144,8 @@ class Surface:
         reach = 2.0 + 2.0 * np.linalg.norm(near)
         turn = (-np.pi, np.pi)
         ends = {
-            "plane": ((-reach, reach),) * 2, "sphere": (turn, (-np.pi / 2, np.pi / 2)), "cylinder": (turn, (-reach, reach)),
+            "plane": ((-reach, reach),) * 2, "sphere": (turn, (-np.pi / 2, np.pi / 2)),
+            "cylinder": (turn, (-reach, reach)),
             "torus": (turn, turn),
         }.get(self.kind)  # fmt: skip
 

@@ -29,7 +29,8 @@ def cubic(x, y):
 
 
 READINGS = {
-    "linear": linear, "steps": steps, "monotone": PchipInterpolator, "cubic": cubic, "quintic": quintic, "smooth": smooth,
+    "linear": linear, "steps": steps, "monotone": PchipInterpolator, "cubic": cubic, "quintic": quintic,
+    "smooth": smooth,
 }  # fmt: skip
 
 

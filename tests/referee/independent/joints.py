@@ -11,9 +11,9 @@ from .reading import axis, plane_axes
 from .taylor import vee
 
 KINDS = (
-    "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "translation", "screw", "free",
-    "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge",
-    "point_on_curve", "curve_on_curve", "point_on_surface",
+    "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "translation",
+    "screw", "free", "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk",
+    "knife_edge", "point_on_curve", "curve_on_curve", "point_on_surface",
 )  # fmt: skip
 
 # joints of one freedom: their coordinate and its rate

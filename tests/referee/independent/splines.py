@@ -11,7 +11,8 @@ from scipy.interpolate import PPoly
 
 # a piece's polynomial in t from 0 to 1 by value, slope and second slope at its ends
 ENDS = np.array([
-    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 2, 0, 0, 0], [1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20],
+    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 2, 0, 0, 0], [1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5],
+    [0, 0, 2, 6, 12, 20],
 ])  # fmt: skip
 COEFFICIENTS = np.linalg.inv(ENDS)
 

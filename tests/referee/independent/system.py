@@ -95,7 +95,8 @@ class System:
         self.elements = {name: element(given, name, table) for name, table in data.get("force", {}).items()}
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
-            for name, joint in self.joints.items() if joint.kind in ("point_on_curve", "curve_on_curve", "point_on_surface")
+            for name, joint in self.joints.items() if joint.kind in ("point_on_curve", "curve_on_curve",
+                                                                     "point_on_surface")
         }  # fmt: skip
         self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing")]
         self.n_s = sum(contact.count for contact in self.contacts.values())

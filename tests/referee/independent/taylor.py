@@ -63,7 +63,8 @@ def swing_and_twist(R, R_now, E_now):
     # the small rotation from now on, before the present one
     change = ca.vertcat(phi / 2, 1 - ca.dot(phi, phi) / 8)
     a, b, c, d = ca.vertsplit(change)
-    E = ca.vertcat(d * x + a * w + b * z - c * y, d * y + b * w + c * x - a * z, d * z + c * w + a * y - b * x,
+    E = ca.vertcat(d * x + a * w + b * z - c * y, d * y + b * w + c * x - a * z,
+                   d * z + c * w + a * y - b * x,
                    d * w - a * x - b * y - c * z)  # fmt: skip
     n = ca.sqrt(E[2] ** 2 + E[3] ** 2)
     s, c = E[2] / n, E[3] / n

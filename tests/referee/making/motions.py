@@ -116,7 +116,8 @@ def _harmonics(dice, angular, size, q):
     phase = [float(dice.pick(range(-180, 181, 15))) for _ in range(n)] if dice.chance(0.7) else None
     keys, mean = _mean(dice, angular, q if dice.chance(0.7) else None)
     w, p = 2 * np.pi * np.array(frequency), np.radians(phase or np.zeros(n))
-    table = {f"amplitude{unit}": given, "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
+    table = {f"amplitude{unit}": given,
+             "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
     return table, mean + float(amplitude @ np.sin(p)), float((amplitude * w) @ np.cos(p))
 
 
