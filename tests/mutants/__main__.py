@@ -9,6 +9,7 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from . import reach
@@ -79,7 +80,7 @@ def main():
                 verdicts[name_of(mutant)] = verdict
                 keep(options.resume, verdicts)
                 console.print(
-                    f"{name_of(mutant)}: {verdict.outcome} {verdict.by} [dim]{verdict.seconds:.0f} s"
+                    f"{name_of(mutant)}: {verdict.outcome} {escape(verdict.by)} [dim]{verdict.seconds:.0f} s"
                 )
         finally:
             for copy in opened:
@@ -105,7 +106,7 @@ def undo(console, options):
                 verdict = judge_undone(undone, copy, options.undone == "referee", by_line, times)
                 verdicts[undone.name] = verdict
                 keep(options.resume, verdicts)
-                text = f"{undone.rule}. {undone.name}: {verdict.outcome} {verdict.by}"
+                text = f"{undone.rule}. {undone.name}: {verdict.outcome} {escape(verdict.by)}"
                 console.print(f"{text} [dim]{verdict.seconds:.0f} s")
 
     left = [name for name, verdict in verdicts.items() if verdict.outcome not in (CAUGHT, BY_TIME)]
@@ -160,7 +161,8 @@ def report(console, mutants, verdicts, times):
     with Copy() as copy:
         if wrong := copy.fails_unbroken(killers, times):
             console.print(
-                f"[red]{wrong.by}, on the package as it is: {wrong.outcome}. What it caught does not count"
+                f"[red]{escape(wrong.by)}, on the package as it is: {wrong.outcome}. "
+                "What it caught does not count"
             )
             return 1
 

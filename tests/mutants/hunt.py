@@ -30,7 +30,7 @@ BATCHES = (3.0, 40.0)
 """s of tests (timed with every line watched) in each run of pytest: a short one,
 and one for what passes that."""
 
-LONGEST, THOROUGHLY = 600.0, 300.0
+LONGEST, THOROUGHLY = 600.0, 180.0
 """s that the referee, or the tests of an undone mending, may take;
 and whole files of tests against a mutant."""
 
@@ -191,8 +191,8 @@ def judge_undone(undone, copy: Copy, referee: bool, by_line: dict, times: dict[s
 def thorough_tests(mutant: Mutant) -> list[str]:
     """Files of tests, or single ones, that are run whole against a mutant."""
     subject = Path(mutant.file).stem
-    named = {name for files, names in THOROUGH.items() if subject in files.split() for name in names.split()}
-    parts = [name.partition("::") for name in sorted(named)]
+    named = " ".join(names for files, names in THOROUGH.items() if subject in files.split())
+    parts = [name.partition("::") for name in dict.fromkeys(named.split())]
     return [f"tests/test_{file}.py{colons}{test}" for file, colons, test in parts]
 
 
