@@ -13,14 +13,20 @@ from .ways import LEAVING
 CLOSE = 1e-8
 OPEN = 1e-7
 
+# what a gap makes wrong, times the gap
+OF_A_GAP = 10.0
+
 SMALL = 6  # bodies up to which every shared point is looked at
 
 # told by multipliers and accelerations: as good as the largest of them
 FORCES = ("accel", "alpha", "effort", "reaction", "power", "moment", "force")
 
 
-def agrees(data, plan, run, ignored, count):
-    """Findings where a run in process tells another thing than the independent route, of the same motion."""
+def agrees(data, plan, run, ignored, count, exact=0.0):
+    """Findings where a run in process tells another thing than the independent route, of the same motion.
+
+    exact : m and rad, to which loops close; what acts along them is as good as that.
+    """
     columns = groups(list(plan.signals))
 
     leaving = np.flatnonzero(np.array(run.phases) == LEAVING)
@@ -48,7 +54,7 @@ def agrees(data, plan, run, ignored, count):
         told = named(run.names, run.values[row[0]])
         inputs = {name: np.squeeze(plan.inputs(t, k)[:, at]) for name, at in columns.items()}
         own = system.evaluate(run.times[row[0]], system.motions_of(told), inputs, told)
-        found = list(_instant(told, own, run, run.times[row[0]], ignored, count))
+        found = list(_instant(told, own, run, run.times[row[0]], ignored, count, exact))
 
         if found:
             others = ", ".join(finding.variable for finding in found[1:9])
@@ -58,19 +64,15 @@ def agrees(data, plan, run, ignored, count):
     return []
 
 
-def _instant(told, own, run, t, ignored, count):
+def _instant(told, own, run, t, ignored, count, exact):
+    near, gap = max(CLOSE, OF_A_GAP * exact), max(OPEN, OF_A_GAP * exact)
     open_by = np.abs(own["constraint residuals"]).max(initial=0.0)
     size = {name: np.abs(value).max() for name, value in told.items()}
     position = max([1.0, *(size[name] for name in told if name.endswith("position"))])
 
-    if open_by > OPEN * position and not any("does not quite close" in text for text in run.notices):
-        yield Finding(
-            "second route",
-            str(run.way),
-            "constraints", t, open_by, 0.0,
-            OPEN * position,
-            "what joints leave open",
-        )  # fmt: skip
+    if open_by > gap * position:
+        text = "what joints leave open"
+        yield Finding("second route", str(run.way), "constraints", t, open_by, 0.0, gap * position, text)
 
     largest = 1.0 + max(
         (size[name] for name in told if any(word in name.rpartition(".")[2] for word in FORCES)), default=0.0
@@ -90,9 +92,9 @@ def _instant(told, own, run, t, ignored, count):
         elif name.endswith("zyx"):
             off = np.abs((value - wanted + np.pi) % (2 * np.pi) - np.pi)
 
-        if not off.max() <= CLOSE * scale:
+        if not off.max() <= near * scale:
             c = int(np.nanargmax(off)) if np.isfinite(off).any() else 0
-            yield Finding("second route", str(run.way), name, t, value[c], wanted[c], CLOSE * scale)
+            yield Finding("second route", str(run.way), name, t, value[c], wanted[c], near * scale)
 
 
 def named(names, values):

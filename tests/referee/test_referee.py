@@ -6,19 +6,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from mutants.undone import UNDONE
 
 from mbdfmi.kernels.language import INTERPRETED
 from mbdfmi.model import compile_scene
 from mbdfmi.scene import Scene
 from mbdfmi.simulate import Instance
 
-from . import compare, dependence, draws, laws, route, starts
+from . import compare, dependence, draws, laws, mended, route, starts
 from . import plan as plans
 from .__main__ import main
 from .findings import Count
 from .generator import FOCUS, draw
 from .interpreter import Interpreter
-from .verdicts import judge
+from .verdicts import Verdict, judge
 from .ways import LEAVING, Libraries, Way, model_of, run, scene_of
 
 # a pendulum on a sledge, hung by a ball joint; all that acts is in it
@@ -88,6 +89,35 @@ def broken(result, name, row, change):
 def test_random_scenes_stand(seed, interpreter):
     verdict = judge(draw(seed, size=1 + seed % 4), seed, interpreter if seed % 4 == 0 else None, fmu=seed % 2 == 0, n=2)
     assert verdict.findings == []
+
+
+@pytest.mark.parametrize("path", mended.CORPUS, ids=lambda path: path.stem)
+def test_what_was_mended_stays_so(path):
+    """A mending that is undone is found here, or by what `mended.ELSEWHERE` tells."""
+    data, wanted = mended.read(path)
+    assert mended.findings(data, wanted, lambda *arguments, **more: judge(*arguments, n=2, **more)) == []
+
+
+def test_every_mending_is_watched():
+    watched = {name for path in mended.CORPUS for name in mended.read(path)[1]["undone"]}
+    assert watched | set(mended.ELSEWHERE) == {undone.name for undone in UNDONE}
+    assert not watched & set(mended.ELSEWHERE)
+
+
+@pytest.mark.parametrize(
+    "change, verdict",
+    [
+        ({"told": ["never said"]}, "not told"), ({"untold": ["is odd"]}, "told"), ({"start": {"x": 2.0}}, "start"),
+        ({"refused": True}, "refused"),
+    ],
+)  # fmt: skip
+def test_what_must_come_of_a_scene(change, verdict):
+    def judged(data, seed, until):
+        return Verdict(seed, told=["it is odd"], first={"x": 1.0})
+
+    wanted = {"seed": 1, "until": 1.0, "told": ["odd$"], "untold": ["even"], "start": {"x": 1.0}}
+    assert mended.findings(DATA, wanted, judged) == []
+    assert [finding.verdict for finding in mended.findings(DATA, wanted | change, judged)] == [verdict]
 
 
 @pytest.mark.long

@@ -26,43 +26,50 @@ OF_KINKS = 30.0
 
 @dataclass
 class Verdict:
-    """What the referee says of a scene."""
+    """What the referee says of a scene.
+
+    told : all that a user is told of the scene and of the reference. first : outputs of the reference at the start.
+    """
 
     seed: int
     findings: list[Finding] = field(default_factory=list)
     count: Count = field(default_factory=Count)
     refused: str | None = None
+    told: list[str] = field(default_factory=list)
+    first: dict[str, float] = field(default_factory=dict)
     seconds: float = 0.0
 
 
-def judge(data, seed, interpreter=None, fmu=True, n=3):
-    """The verdict on a scene (a dict). interpreter : `Interpreter`, or None to go without."""
+def judge(data, seed, interpreter=None, fmu=True, n=3, until=None):
+    """The verdict on a scene (a dict). interpreter : `Interpreter`, or None to go without. until : s, else drawn."""
     begun = clock.perf_counter()
     verdict = Verdict(seed)
 
     with TemporaryDirectory() as folder, Libraries() as libraries:
-        _judge(data, seed, verdict, interpreter, fmu, n, Path(folder), libraries)
+        _judge(data, seed, verdict, interpreter, fmu, n, until, Path(folder), libraries)
 
     verdict.seconds = clock.perf_counter() - begun
     return verdict
 
 
-def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
+def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
     try:
         scene = Scene.model_validate(data)
         model = model_of(data, Way())
     except SceneError as error:
         verdict.refused = str(error)
+        verdict.told.append(str(error))
         verdict.findings += (
             [] if str(error).strip() else [Finding("not told", "reading", text="refused without a word")]
         )
         return
 
-    plan = plans.draw(seed, model)
+    plan = plans.draw(seed, model, until)
     ways = draws.draw(seed, plan, n, fmu, interpreter is not None, len(scene.body))
     runs = [run(data, plan, way) for way in ways.near]
     reference, kicked = _reference(data, plan, ways)
     findings, count = verdict.findings, verdict.count
+    verdict.told += scene.notices + reference.notices + [text for text in (reference.refused, reference.stopped) if text]
 
     for other in [*runs, reference]:
         findings += laws.always(other, data)
@@ -78,6 +85,7 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
         ]
         return
 
+    verdict.first = dict(zip(reference.names, reference.values[0]))
     ignored = undetermined(scene)
     units = {v.name: v.unit for v in model.of_causality("output")}
     of = compare.Reference(reference, kicked, units, ignored, _precision(data, model, reference))
@@ -92,7 +100,7 @@ def _judge(data, seed, verdict, interpreter, fmu, n, folder, libraries):
     if ways.integrals and reference.whole:
         _balances(data, scene, plan, ways, of, verdict)
 
-    _second_route(data, plan, reference, ignored, verdict)
+    _second_route(data, plan, reference, ignored, of.start, verdict)
     findings += starts.kept(data, reference)
     findings += starts.written(data)
     findings += dependence.told(model)
@@ -184,9 +192,9 @@ def _unbalanced(data, scene, plan, way, of, count):
     return unbalanced
 
 
-def _second_route(data, plan, reference, ignored, verdict):
+def _second_route(data, plan, reference, ignored, exact, verdict):
     try:
-        verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count)
+        verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count, exact)
     except Exception:
         verdict.findings.append(
             Finding("second route", str(reference.way), text=traceback.format_exc().strip())
