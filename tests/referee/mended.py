@@ -1,9 +1,9 @@
 """Small scenes in which a mended fault would show, each with what must come of it.
 
-In corpus/ stand scenes as users write them, each with a table `referee` beside: `undone` names the mendings of
-tests/mutants/undone.py that it watches, `seed` says what is done to the scene and in which ways it runs, `until` (s)
-how long. A scene must run, unless `refused` is true. `told` are patterns of what a user must be told, `untold` of what
-not; `start` are outputs at the start.
+In corpus/ stand scenes as users write them, each with a table `referee` beside: `undone` names the mendings
+of tests/mutants/undone.py that it watches, `seed` says what is done to the scene and in which ways it runs,
+`until` (s) how long. A scene must run, unless `refused` is true. `told` are patterns of what a user must be
+told, `untold` of what not; `start` are outputs at the start.
 """
 
 import re

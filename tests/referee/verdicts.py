@@ -28,7 +28,7 @@ OF_KINKS = 30.0
 class Verdict:
     """What the referee says of a scene.
 
-    told : all that a user is told of the scene and of the reference. first : outputs of the reference at the start.
+    told : all that a user is told of the scene and of the reference. first : what the reference starts with.
     """
 
     seed: int
@@ -41,7 +41,10 @@ class Verdict:
 
 
 def judge(data, seed, interpreter=None, fmu=True, n=3, until=None):
-    """The verdict on a scene (a dict). interpreter : `Interpreter`, or None to go without. until : s, else drawn."""
+    """The verdict on a scene (a dict).
+
+    interpreter : `Interpreter`, or None to go without. until : s, else drawn.
+    """
     begun = clock.perf_counter()
     verdict = Verdict(seed)
 
@@ -69,7 +72,8 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
     runs = [run(data, plan, way) for way in ways.near]
     reference, kicked = _reference(data, plan, ways)
     findings, count = verdict.findings, verdict.count
-    verdict.told += scene.notices + reference.notices + [text for text in (reference.refused, reference.stopped) if text]
+    ends = [text for text in (reference.refused, reference.stopped) if text]
+    verdict.told += scene.notices + reference.notices + ends
 
     for other in [*runs, reference]:
         findings += laws.always(other, data)
