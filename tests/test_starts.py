@@ -495,7 +495,7 @@ def test_how_far_apart_a_loop_stays_is_told(length):
 # an FMU's start values
 
 
-def test_start_values_of_an_fmu():
+def test_start_values_say_whether_they_are_guesses():
     """Guesses say so, what is driven has none, a coupling's speeds follow where its offset is free."""
     about = {v.name: v.description for v in scene_of(four_bar(0.0)).compile().variables}
     assert "guess" not in about["crank.angle_start"]
