@@ -18,6 +18,10 @@ PANELS = 16
 FINER = 8  # times as many
 STAYS = 0.6  # part of what does not balance that more points leave where a law is broken
 
+# a communication step ends after as many evaluations as it may cost, and those of the inner step under way
+ROOM = 1.5
+AT_LEAST = 20000
+
 # m or rad, and their rates: what projection may leave of a gap, relative to the largest position and speed
 GAP = 1e-7
 UNIT = 1e-12
@@ -33,6 +37,10 @@ def always(run, data):
 
     if run.refused is not None or run.stopped is not None:
         found += told_why(run)
+
+    if run.most > ROOM * run.way.evaluations + AT_LEAST:
+        text = "evaluations in one communication step"
+        found.append(Finding("work", name, found=run.most, wanted=run.way.evaluations, text=text))
 
     if not run.values:
         return found

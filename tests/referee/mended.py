@@ -50,9 +50,6 @@ ELSEWHERE = {
     "commands that contradict each other are not told": (
         "a plan's commands belong together: tests/test_commands.py"
     ),
-    "the work of a communication step has no bound": (
-        "a law of cost, not of motion: tests/test_bounded_work.py"
-    ),
     "outputs that are not finite are handed out": (
         "scenes hold no numbers above 1e30; masters set them: tests/test_extremes.py"
     ),

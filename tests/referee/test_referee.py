@@ -201,6 +201,11 @@ def test_a_run_that_does_not_tell_why_it_stopped(good, text):
     assert laws.always(replace(good, crashed="KeyError"), DATA)[0].verdict == "crash"
 
 
+def test_a_step_that_costs_too_much(good):
+    found = laws.always(replace(good, most=1e5), DATA)
+    assert [finding.verdict for finding in found] == ["work"]
+
+
 def test_energy_and_momentum(fine, reference, plan):
     scene = Scene.model_validate(DATA)
     masses = laws.mass_and_gravity(scene, plan)

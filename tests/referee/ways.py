@@ -101,6 +101,7 @@ class Run:
     names : of the outputs. times : s, (n,). phases : (n,), ARRIVING or LEAVING. values : (n, n_y).
     notices : as told to a user. start : rows are there. stopped : why the run ended early, None if it did
     not, and refused : why there was none. crashed : a traceback of what is no message to a user.
+    most : evaluations in the dearest communication step.
     """
 
     way: Way
@@ -115,6 +116,7 @@ class Run:
     cut: bool = False
     steps: float = 0.0
     evaluations: float = 0.0
+    most: float = 0.0
     seconds: float = 0.0
 
     def note(self, t, phase, values):
@@ -275,7 +277,7 @@ def _follow(start, plan, way, result):
                 break
     finally:
         result.notices = driver.notices()
-        result.steps, result.evaluations = driver.work()
+        result.steps, result.evaluations, result.most = driver.work()
         driver.free()
 
         if other:
@@ -321,6 +323,7 @@ class _Process:
         self.model, self.plan, self.way = model, plan, way
         self.index = {v.name: v.index for v in model.of_causality("parameter")}
         self.instance = None
+        self.most = 0.0
 
     def begin(self):
         """From the start on, unless it has begun; returns the outputs there."""
@@ -353,10 +356,17 @@ class _Process:
         return self.instance.outputs()
 
     def step(self, t, H):
-        if self.way.exact:
-            self.instance.d.u_known[0] = 0.0
+        d = self.instance.d
 
-        self.instance.step(H)
+        if self.way.exact:
+            d.u_known[0] = 0.0
+
+        before = d.evaluations[0]
+
+        try:
+            self.instance.step(H)
+        finally:
+            self.most = max(self.most, d.evaluations[0] - before)
 
     def save(self):
         return [array.copy() for array in self._core()]
@@ -385,7 +395,7 @@ class _Process:
 
     def work(self):
         d = self.instance.d if self.instance else None
-        return (float(d.steps[0]), float(d.evaluations[0])) if d else (0.0, 0.0)
+        return (float(d.steps[0]), float(d.evaluations[0]), self.most) if d else (0.0, 0.0, self.most)
 
 
 class _Component:
@@ -467,7 +477,7 @@ class _Component:
         ]
 
     def work(self):
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
 
     def _ok(self, status):
         if status not in (OK, WARNING):
