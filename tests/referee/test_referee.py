@@ -120,6 +120,13 @@ def test_what_must_come_of_a_scene(change, verdict):
     assert [finding.verdict for finding in mended.findings(DATA, wanted | change, judged)] == [verdict]
 
 
+@pytest.mark.skipif(INTERPRETED, reason="takes minutes with interpreted kernels")
+@pytest.mark.parametrize("seed", range(2000, 2024))
+def test_small_random_scenes_stand(seed):
+    """Three bodies or so, in all ways but interpreted: about 2.5 s each."""
+    assert judge(draw(seed, size=3), seed).findings == []
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("focus", [None, *sorted(FOCUS)])
 def test_two_thousand_scenes(focus, tmp_path_factory):
