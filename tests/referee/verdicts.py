@@ -144,7 +144,7 @@ def _near(data, plan, ways, runs, of, verdict):
 
     for k, other in enumerate(runs):
         # what inputs command at the start comes after the starts of absolute coordinates were found
-        if other.way.formulation == "augmented" and starts.moved(other) != starts.moved(of.run):
+        if other.way.formulation == "augmented" and _starts_elsewhere(data, other, of):
             verdict.count.add("started elsewhere, and told")
             continue
 
@@ -230,6 +230,13 @@ def undetermined(scene):
         "driver_effort", "power",
     )  # fmt: skip
     return {f"{fmi_name(owner)}.{ending}" for owner in owners for ending in (*endings, "efforts")}
+
+
+def _starts_elsewhere(data, run, of):
+    """Whether a run starts elsewhere than the reference, where that is told or where inputs command motions."""
+    motions = [joint.get("driver", {}) for joint in data.get("joint", {}).values()] + [data.get("ground", {}).get("motion", {})]
+    commanded = any("input" in motion for motion in motions)
+    return starts.moved(run) != starts.moved(of.run) or (commanded and compare.near(of, run, Count(), until=1e-12) != [])
 
 
 def kinked(data):
