@@ -141,7 +141,7 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
     for g, columns in reference.groups.items():
         names = [reference.run.names[c] for c in columns]
 
-        if names[0] not in at:
+        if not all(name in at for name in names):
             continue
 
         mine = values[:, [at[name] for name in names]]
