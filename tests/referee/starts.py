@@ -15,6 +15,7 @@ from mbdfmi.scene import Scene, SceneError, fmi_name
 from mbdfmi.simulate import Instance, SimulationError
 
 from .findings import Finding
+from .independent import reading
 
 NEAR = 1e-7
 UNITS = {"": 1.0, "_deg": np.pi / 180, "_rpm": 2 * np.pi / 60}
@@ -88,35 +89,7 @@ def given(joint):
 
 def orientation(table):
     """Euler parameters (4,) of an orientation as it is written."""
-    (key, value), = table.items()
-
-    if key == "euler_parameters":
-        return np.array(value, float) / np.linalg.norm(value)
-
-    if key in ("zyx_deg", "zyx_rad"):
-        return Rotation.from_euler("ZYX", value, degrees=key == "zyx_deg").as_quat()
-
-    if key == "axis_angle":
-        angle = value["angle_rad"] if "angle_rad" in value else np.radians(value["angle_deg"])
-        return Rotation.from_rotvec(angle * direction(value["axis"])).as_quat()
-
-    # two axes: the first is kept, the second made normal to it
-    (one, a), (two, b) = value.items()
-    a = direction(a)
-    b = direction(b) - (direction(b) @ a) * a
-    columns = {one: a, two: b / np.linalg.norm(b)}
-    third = ({"x", "y", "z"} - {one, two}).pop()
-    after = {"x": "y", "y": "z", "z": "x"}
-    columns[third] = np.cross(columns[after[third]], columns[after[after[third]]])
-    return Rotation.from_matrix(np.column_stack([columns[axis] for axis in "xyz"])).as_quat()
-
-
-def direction(axis):
-    """The unit vector of an axis as it is written."""
-    if isinstance(axis, str):
-        return (-1.0 if axis.startswith("-") else 1.0) * np.eye(3)["xyz".index(axis[-1])]
-
-    return np.array(axis, float) / np.linalg.norm(axis)
+    return Rotation.from_matrix(reading.orientation(table)).as_quat()
 
 
 def _vector(value):

@@ -42,6 +42,12 @@ class Inputs:
         return np.size(self.values.get(dotted(*names), self.values.get(".".join(names), 0.0)))
 
 
+def commanded(spec, everything, names):
+    """What inputs command of a motion: nothing, `everything` (true), or what is listed, by its name in `names`."""
+    told = spec.get("input") or ()
+    return everything if told is True else [names.get(what, what) for what in told]
+
+
 class Driver:
     """The motion that a driver asks of its joint."""
 
@@ -92,14 +98,7 @@ class Driver:
     @property
     def told(self):
         """What inputs command: some of JOINT."""
-        told = self.spec.get("input")
-        return (
-            ()
-            if not told
-            else JOINT
-            if told is True
-            else ["position" if what == "angle" else what for what in told]
-        )
+        return commanded(self.spec, JOINT, {"angle": "position"})
 
     def target(self, t, start, inputs, seen):
         """(position, rate, second rate) at t; None where inputs tell too little.
@@ -224,14 +223,7 @@ class Ground:
     @property
     def told(self):
         """What inputs command."""
-        told = self.spec.get("input")
-        return (
-            ()
-            if not told
-            else GROUND
-            if told is True
-            else ["velocity" if what == "speed" else what for what in told]
-        )
+        return commanded(self.spec, GROUND, {"speed": "velocity"})
 
     def at(self, t, inputs, seen=None):
         """The motion at t. seen : a motion (r, A, v, w, a, alpha),
