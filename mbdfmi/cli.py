@@ -31,11 +31,16 @@ MOST_POINTS = 10_000_000  # communication points of a run: some GB of results
 
 def main(arguments=None) -> int:
     """Run the command line; returns the exit status: 0 done, 1 failed with a message."""
+    return carry_out(_parser(), arguments)
+
+
+def carry_out(parser, arguments=None) -> int:
+    """Parse arguments and call their `run`; what a user can mend is told without a traceback. Returns the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
 
-    options = _parser().parse_args(arguments)
+    options = parser.parse_args(arguments)
 
     try:
         options.run(options)
@@ -181,31 +186,6 @@ run for a few steps. All mistakes found are printed; the exit status is 1 then."
     )  # fmt: skip
     command.add_argument("file", metavar="SCENE|FMU", help="scene file (TOML), or any FMU")
 
-    command = _command(
-        commands, _bench, "bench", "measure speed against error, beside other libraries",
-        """Benchmark problems with reference digits: the error of the state against CPU time, of every
-stepper and, where installed (pip install 'mbdfmi[bench]'), of Pinocchio, MuJoCo and Exudyn,
-all in one run. Then what an evaluation of the accelerations costs by number of bodies, what
-an FMU adds to a step, and how long an export takes. Everything takes about a quarter of an
-hour of one core, --quick less than a minute once the kernels are compiled. --long-run looks at
-something else: what 100,000 periods do to energy, momentum and phase (a quarter of an hour too).
-
-It prints tables, and writes speed_against_error.md with its pictures and all raw figures (JSON).""",
-        """examples:
-  mbdfmi bench --quick                             a first look, into the folder bench
-  mbdfmi bench -o docs                             the whole report
-  mbdfmi bench --problem heavy_top_bruls           one problem; a wrong name lists them all
-  mbdfmi bench --long-run -o docs                  100,000 periods (--quick: 100), into long_run.md""",
-    )  # fmt: skip
-    command.add_argument("--quick", action="store_true", help="few problems, settings, sizes and repeats")
-    command.add_argument(
-        "--problem", action="append", default=[], metavar="NAME", help="run this problem only; may be repeated"
-    )
-    command.add_argument("--long-run", action="store_true", help="drift over 100,000 periods, instead of all else")
-    command.add_argument(
-        "-o", "--output", default="bench", metavar="DIR", help="folder of the report (default: %(default)s)"
-    )
-
     return parser
 
 
@@ -233,7 +213,7 @@ def _load(file):
     return load(file)
 
 
-def _writable(text, inputs):
+def writable(text, inputs):
     """The path of a file to be written, looked at before work starts; `inputs` are files that stay as they are.
 
     Raises ValueError that says what hinders.
@@ -345,7 +325,7 @@ def _export(options):
     for file in files:
         try:
             scene = _load(file)
-            path = _writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu", files)
+            path = writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu", files)
 
             if path in written:
                 raise ValueError(f"{file}: has the same name as {written[path]}, so their FMUs would have too")
@@ -370,8 +350,8 @@ def _outputs(options, *inputs):
     """The files of --csv and --plot, or None, looked at before work starts."""
     from .results import Results
 
-    csv = options.csv and _writable(options.csv, inputs)
-    plot = options.plot and _writable(options.plot, [*inputs, *([csv] if csv else [])])
+    csv = options.csv and writable(options.csv, inputs)
+    plot = options.plot and writable(options.plot, [*inputs, *([csv] if csv else [])])
 
     if csv:
         Results.check_csv(csv)
@@ -733,34 +713,6 @@ def _check_fmu(path):
         raise ValueError(f"{path}: valid by its description, but a first run fails: {reason}")
 
     return ""
-
-
-def _bench(options):
-    from .report.long_run import PERIODS, QUICK_PERIODS, run_long
-    from .report.speed_against_error import run_report
-
-    if options.long_run and options.problem:
-        raise ValueError("--problem names problems of the report; --long-run has orbits of its own: leave out one of them")
-
-    # before a quarter of an hour of work
-    _writable(Path(options.output) / "report.md", [])
-    columns = (TextColumn("{task.description}", justify="right"), BarColumn(), TimeRemainingColumn())
-
-    with Progress(*columns, console=err, transient=True) as bar:
-        task = bar.add_task("preparing", total=1.0)
-
-        def tell(fraction, text):
-            bar.update(task, completed=fraction, description=text)
-
-        if options.long_run:
-            report = run_long(QUICK_PERIODS if options.quick else PERIODS, tell)
-        else:
-            report = run_report(options.quick, options.problem, tell)
-
-    out.print(report)
-
-    for path in report.save(options.output):
-        out.print(str(path), soft_wrap=True)
 
 
 if __name__ == "__main__":

@@ -89,7 +89,7 @@ def compile_scene(scene: Scene, first=()) -> Model:
         relative = _compile(scene, spanning_tree(scene), "recursive")
         return _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
 
-    # articulated bodies were the cheapest of the three at every size and shape measured (`mbdfmi bench`)
+    # articulated bodies were the cheapest of the three at every size and shape measured (`python -m benchmarks`)
     formulation = scene.solver.formulation
     return _compile(scene, spanning_tree(scene, first), "recursive" if formulation == "auto" else formulation)
 

@@ -1,4 +1,4 @@
-"""The benchmark problems of mbdfmi/report/reference (each with its source) in relative and in absolute coordinates.
+"""The benchmark problems of benchmarks/reference (each with its source) in relative and in absolute coordinates.
 
 Asked for are 8 digits of every quantity, or as many as the file says to be trusted; where a run reaches more, about a tenth of what
 it reaches is asked for. An error is the largest difference in the largest value of its quantity.
@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.problem_files import problem_file as problem
+from benchmarks.problem_files import scene_of
 from mbdfmi import Scene
 from mbdfmi.model import compile_scene
-from mbdfmi.report.problem_files import problem_file as problem
-from mbdfmi.report.problem_files import scene_of
 from mbdfmi.simulate import Instance
 
 SOLVER = {"integrator": "rk853", "tolerance": 1e-12}

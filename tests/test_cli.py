@@ -1,7 +1,6 @@
 """The command line: what it prints, what it writes, and what it says when something is wrong."""
 
 import csv
-import json
 import os
 import shutil
 import subprocess
@@ -67,7 +66,7 @@ def fmu(tmp_path_factory):
 # what works
 
 
-@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"]])
+@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"]])
 def test_help(command, arguments, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     status, printed, _ = command(*arguments, "--help")
@@ -202,22 +201,6 @@ def test_check(command, fmu):
         status, printed, message = command("check", path)
         assert status == 0, message
         assert "no mistakes found" in printed
-
-
-def test_bench(command, tmp_path):
-    problem = ["--problem", "double_pendulum_bars"]
-    status, printed, message = command("bench", "--quick", *problem, "-o", tmp_path)
-
-    assert status == 0, message
-    assert "bodies" in printed and "double pendulum" in printed
-    assert json.loads((tmp_path / "speed_against_error.json").read_text())
-
-
-def test_bench_of_an_unknown_problem(command, tmp_path):
-    status, printed, message = command("bench", "--quick", "--problem", "top", "-o", tmp_path)
-
-    assert status == 1
-    assert "no problem top" in message and "heavy_top_bruls" in message
 
 
 def test_build_fmu(tmp_path):

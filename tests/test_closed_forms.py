@@ -1,4 +1,4 @@
-"""Whole runs against closed forms and reference digits (mbdfmi/report/reference/*.json, each with its source).
+"""Whole runs against closed forms and reference digits (benchmarks/reference/*.json, each with its source).
 
 Tolerances: what is asked for stands some ten times above what a run with the solver's tolerance reaches, and where the
 problem amplifies errors, its notes say how many digits there are.
@@ -6,14 +6,14 @@ problem amplifies errors, its notes say how many digits there are.
 
 import numpy as np
 import pytest
-from scenes import assert_near, energies, inverse_dynamics, mass_matrix, rotation
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
+from benchmarks.problem_files import problem_file
 from mbdfmi.model import compile_scene
-from mbdfmi.report.problem_files import problem_file
 from mbdfmi.scene import Scene
 from mbdfmi.simulate import Instance
+from scenes import assert_near, energies, inverse_dynamics, mass_matrix, rotation
 
 TIGHT = {"tolerance": 1e-14}
 POSE = ["position", "euler_parameters", "omega_body"]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
+from benchmarks.problem_files import problem_file
 from mbdfmi.kernels import constraints, contacts, curves, joints, rows, surfaces, tree
 from mbdfmi.model import compile_scene
-from mbdfmi.report.problem_files import problem_file
 from mbdfmi.scene import Scene, SceneError
 from mbdfmi.simulate import Instance, SimulationError, simulate
 

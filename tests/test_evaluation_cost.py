@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbdfmi.report import evaluation
-from mbdfmi.report.mechanisms import chain_parents, links_of, tree_parents
-from mbdfmi.report.peers import MuJoCo, Pinocchio
+from benchmarks import evaluation
+from benchmarks.mechanisms import chain_parents, links_of, tree_parents
+from benchmarks.peers import MuJoCo, Pinocchio
 
 
 def printed(report):

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.long_run import STEPPERS, run_long
+from benchmarks.orbits import ORBITS
 from mbdfmi import Scene
 from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.model import compile_scene
-from mbdfmi.report.long_run import STEPPERS, run_long
-from mbdfmi.report.orbits import ORBITS
 from mbdfmi.simulate import Instance
 
 PERIODS = 30

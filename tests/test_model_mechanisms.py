@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import mbdfmi
-from mbdfmi.report.problem_files import problem_file
+from benchmarks.problem_files import problem_file
 
 MODELS = Path(__file__).parents[1] / "models"
 G = 9.81

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from mbdfmi.report import contests, evaluation, peers, speed_against_error
-from mbdfmi.report.contests import Cannot, Limits, Setting, contest, cpu_at, front_of
-from mbdfmi.report.peers_exudyn import ExudynMotion
-from mbdfmi.report.peers_mujoco import MuJoCoMotion
-from mbdfmi.report.peers_pinocchio import PinocchioMotion
-from mbdfmi.report.problem_files import pose_of
-from mbdfmi.report.problems import PROBLEMS
-from mbdfmi.report.spanning import motion_of, spanning_tree, start_of
-from mbdfmi.report.steppers import STEPPERS
+from benchmarks import __main__ as benchmarks
+from benchmarks import contests, evaluation, peers, speed_against_error
+from benchmarks.contests import Cannot, Limits, Setting, contest, cpu_at, front_of
+from benchmarks.peers_exudyn import ExudynMotion
+from benchmarks.peers_mujoco import MuJoCoMotion
+from benchmarks.peers_pinocchio import PinocchioMotion
+from benchmarks.problem_files import pose_of
+from benchmarks.problems import PROBLEMS
+from benchmarks.spanning import motion_of, spanning_tree, start_of
+from benchmarks.steppers import STEPPERS
 from mbdfmi.scene.fields import LEAST_TOLERANCE
 
 problems = pytest.mark.parametrize("problem", PROBLEMS, ids=lambda problem: problem.name)
@@ -268,3 +269,34 @@ def test_quick_ones_are_some_of_all():
     assert 0 < len(some) < len(PROBLEMS)
     assert len(speed_against_error.chosen_problems([], quick=False)) == len(PROBLEMS)
     assert set(contests.QUICK.levels) < set(range(5))
+
+
+# the command line
+
+
+def test_the_command_measures_one_problem(capsys, tmp_path):
+    assert benchmarks.main(["--quick", "--problem", "double_pendulum_bars", "-o", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "bodies" in printed and "double pendulum" in printed
+    assert json.loads((tmp_path / "speed_against_error.json").read_text())
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["--problem", "top"], ["no problem top", "heavy_top_bruls"]),
+        (["--problem", "heavy_top_bruls", "--long-run"], ["leave out one of them"]),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_measure(capsys, tmp_path, arguments, says):
+    assert benchmarks.main(["--quick", *arguments, "-o", str(tmp_path)]) == 1
+    message = " ".join(capsys.readouterr().err.split())
+    assert all(text in message for text in says)
+
+
+def test_the_command_tells_its_arguments(capsys):
+    with pytest.raises(SystemExit) as end:
+        benchmarks.main(["--help"])
+
+    assert end.value.code == 0
+    assert "python -m benchmarks --quick" in capsys.readouterr().out

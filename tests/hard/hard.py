@@ -15,8 +15,8 @@ import pytest
 from mbdfmi import Scene
 from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.model import compile_scene
-from mbdfmi.report.problem_files import problem_file as problem  # noqa: F401
-from mbdfmi.report.problem_files import scene_of  # noqa: F401
+from benchmarks.problem_files import problem_file as problem  # noqa: F401
+from benchmarks.problem_files import scene_of  # noqa: F401
 from mbdfmi.simulate import Instance, SimulationError
 
 # integrators by what they are for; those that this version does not know are left out of every case

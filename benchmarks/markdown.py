@@ -8,7 +8,7 @@ Measured on: {machine}.
 
 With: {versions}.
 
-Written by `mbdfmi bench`; all raw figures stand in [speed_against_error.json](speed_against_error.json). All
+Written by `python -m benchmarks`; all raw figures stand in [speed_against_error.json](speed_against_error.json). All
 contestants run in one process on one core and take turns; the least CPU time of up to seven rounds counts.
 
 **CPU time** is that of the integration alone, from t = 0 over all reference times: reading, compiling and

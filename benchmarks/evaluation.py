@@ -14,10 +14,11 @@ import numpy as np
 from rich.console import Group
 from rich.table import Table
 
-from ..kernels import forces, rates, tree
-from ..kernels.language import kernel
-from ..model import compile_scene
-from ..simulate import Instance
+from mbdfmi.kernels import forces, rates, tree
+from mbdfmi.kernels.language import kernel
+from mbdfmi.model import compile_scene
+from mbdfmi.simulate import Instance
+
 from .machine import machine, own_versions
 from .mechanisms import chain_parents, links_of, scene_of, tree_parents
 from .peers import MuJoCo, Pinocchio, PinocchioNative, peers_here

@@ -5,13 +5,13 @@ import time
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..topology import axes_with_z
+from mbdfmi.topology import axes_with_z
+
 from .contests import Cannot, Setting
 from .peers import library_of
 from .problem_files import pose_of
 from .problems import MOTION_SIZE, TOLERANCES, Problem
 from .spanning import inertia_matrix, motion_of, spanning_tree, start_of
-
 
 IMPLICIT = ("TrapezoidalIndex2", "GeneralizedAlpha")
 

@@ -15,14 +15,15 @@ import numpy as np
 from rich.console import Group
 from rich.table import Column, Table
 
-from ..files import replacing
-from ..kernels import entry
-from ..kernels.integrate import INTEGRATORS
-from ..kernels.language import kernel
-from ..kernels.status import OK
-from ..model import compile_scene
-from ..scene import Scene
-from ..simulate import Instance, explain
+from mbdfmi.files import replacing
+from mbdfmi.kernels import entry
+from mbdfmi.kernels.integrate import INTEGRATORS
+from mbdfmi.kernels.language import kernel
+from mbdfmi.kernels.status import OK
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene
+from mbdfmi.simulate import Instance, explain
+
 from .machine import machine
 from .markdown import table as markdown_table
 from .orbits import ORBITS, Orbit
@@ -37,7 +38,7 @@ INTRODUCTION = """# The long run
 
 {machine}.
 
-Written by `mbdfmi bench --long-run`. Largest relative change of what ought to be constant, and error of the state by its
+Written by `python -m benchmarks --long-run`. Largest relative change of what ought to be constant, and error of the state by its
 size (2 is as wrong as can be), in {points} communication steps a period; behind them, in brackets, the exponent of their
 growth with time."""
 
@@ -101,7 +102,10 @@ class LongRunReport:
         except ImportError:
             figure = None
 
-        texts = {"long_run.json": json.dumps(self.as_dict(), indent=1) + "\n", "long_run.md": self._page(bool(figure))}
+        texts = {
+            "long_run.json": json.dumps(self.as_dict(), indent=1) + "\n",
+            "long_run.md": self._page(bool(figure)),
+        }
         written = [Path(folder) / name for name in texts]
 
         for place, text in zip(written, texts.values()):

@@ -1,4 +1,4 @@
-"""Makes the reference digits of `chain_bars_N7` and `four_bar`: `python -m mbdfmi.report.reference.derive`.
+"""Makes the reference digits of `chain_bars_N7` and `four_bar`: `python -m benchmarks.reference.derive`.
 
 Nothing of the kernels is used: Lagrange's equations in minimal coordinates, in extended precision (numpy's
 longdouble, 64 bits of mantissa on x86), by extrapolation of the modified midpoint rule (Hairer, Norsett,

@@ -9,9 +9,10 @@ from pathlib import Path
 from rich.console import Group
 from rich.table import Table
 
-from ..files import replacing
-from ..scene import SceneError
-from ..scene.schema import Solver
+from mbdfmi.files import replacing
+from mbdfmi.scene import SceneError
+from mbdfmi.scene.schema import Solver
+
 from .contests import AIMS, QUICK, Limits, contest, cpu_at
 from .evaluation import EvaluationCosts, evaluation_costs
 from .fmu_costs import export_costs, fmu_costs

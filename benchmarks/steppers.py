@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import entry
-from ..kernels.language import kernel
-from ..kernels.status import OK
-from ..model import compile_scene
-from ..scene import Scene, SceneError
-from ..simulate import Instance, explain
+from mbdfmi.kernels import entry
+from mbdfmi.kernels.language import kernel
+from mbdfmi.kernels.status import OK
+from mbdfmi.model import compile_scene
+from mbdfmi.scene import Scene, SceneError
+from mbdfmi.simulate import Instance, explain
+
 from .contests import Cannot, Setting
 from .problems import MOTION_SIZE, Problem
 

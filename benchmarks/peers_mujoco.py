@@ -41,7 +41,9 @@ class MuJoCoMotion:
         return [
             Setting(
                 f"step {h:.3g}" + f", solref {soft:g} steps" * bool(loops),
-                {"step": h, "soft": soft}, level, f"{soft:g}",
+                {"step": h, "soft": soft},
+                level,
+                f"{soft:g}",
             )  # fmt: skip
             for level, h in enumerate(problem.steps)
             for soft in (SOFT if loops else SOFT[:1])

@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..api import Scene
-from ..kernels import entry
-from ..kernels.language import kernel
-from ..model import compile_scene
-from ..simulate import Instance
+from mbdfmi.api import Scene
+from mbdfmi.kernels import entry
+from mbdfmi.kernels.language import kernel
+from mbdfmi.model import compile_scene
+from mbdfmi.simulate import Instance
+
 from .problems import PROBLEMS
 
 STEP = 1e-3  # s, of communication

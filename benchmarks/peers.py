@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..files import replacing
-from ..kernels.language import cache_directory
+from mbdfmi.files import replacing
+from mbdfmi.kernels.language import cache_directory
+
 from .mechanisms import GRAVITY, Link
 
 
@@ -136,7 +137,14 @@ class PinocchioNative:
         library.mechanism_new.restype = handle
         library.mechanism_delete.argtypes = [handle]
         library.mechanism_add.argtypes = [
-            handle, ctypes.c_int, ctypes.c_int, reals, reals, ctypes.c_double, reals, reals
+            handle,
+            ctypes.c_int,
+            ctypes.c_int,
+            reals,
+            reals,
+            ctypes.c_double,
+            reals,
+            reals,
         ]
         library.mechanism_set.argtypes = [handle, reals, reals, reals, reals]
         library.mechanism_loop.argtypes = [handle, ctypes.c_long]
@@ -328,4 +336,3 @@ def _mujoco_loop():
             solve_M(m, d, acceleration_address, acceleration_address, 1)
 
     return loop
-

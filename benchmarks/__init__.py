@@ -1,0 +1,1 @@
+"""Benchmarks: speed against error of this package, beside that of other libraries: `python -m benchmarks`."""

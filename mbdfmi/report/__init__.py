@@ -1,1 +1,0 @@
-"""What is told about runs: speed, beside that of other libraries."""
