@@ -13,6 +13,7 @@ import mbdfmi
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 INTRODUCTION = ROOT / "docs" / "scene_introduction.md"
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 
 
 def blocks(path, language):
@@ -63,6 +64,36 @@ def test_python_in_the_readme(tmp_path, monkeypatch, capsys):
     assert mbdfmi.Scene(**tomllib.loads(capsys.readouterr().out)) == names["cart"]
 
 
-def test_files_named_in_the_readme():
-    for link in re.findall(r"\]\(([^)#]+)\)", README.read_text(encoding="utf-8")):
-        assert (ROOT / link).exists(), link
+def anchors(page):
+    """Anchors of a page's headings, as GitHub makes them."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    found = []
+
+    for heading in re.findall(r"^#+ (.+)$", text, re.M):
+        name = re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+        found.append(f"{name}-{count}" if (count := sum(re.fullmatch(f"{name}(-\\d+)?", f) is not None for f in found)) else name)
+
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(page):
+    text = re.sub(r"^```.*?^```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        path, _, anchor = link.partition("#")
+
+        if re.match(r"\w+:", link):
+            continue
+
+        target = page.parent / path if path else page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_sections_of_the_theory_that_the_sources_name():
+    numbers = set(re.findall(r"^##+ (\d+(?:\.\d+)?) ", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8"), re.M))
+
+    for path in [*(ROOT / "mbdfmi").rglob("*.py"), *(ROOT / "tests").rglob("*.py"), *PAGES]:
+        named = re.findall(r"docs/theory\.md,? (?:sections? )?(\d+(?:\.\d+)?)", path.read_text(encoding="utf-8"))
+        assert set(named) <= numbers, path
