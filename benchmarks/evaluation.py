@@ -14,10 +14,10 @@ import numpy as np
 from rich.console import Group
 from rich.table import Table
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces, rates, tree
 from mbdfmi.kernels.language import kernel
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 from .machine import machine, own_versions
 from .mechanisms import chain_parents, links_of, scene_of, tree_parents

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from mbdfmi.api import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.language import kernel
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 from .problems import PROBLEMS
 

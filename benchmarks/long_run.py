@@ -15,14 +15,14 @@ import numpy as np
 from rich.console import Group
 from rich.table import Column, Table
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.files import replacing
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance, explain
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance, explain
 
 from .machine import machine
 from .markdown import table as markdown_table

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance, explain
 from mbdfmi.scene import Scene, SceneError
-from mbdfmi.simulate import Instance, explain
 
 from .contests import Cannot, Setting
 from .problems import MOTION_SIZE, Problem

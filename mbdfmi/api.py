@@ -19,7 +19,7 @@ class Scene(_scene.Scene):
 
     def compile(self):
         """The `Model` of the scene: arrays and variables. Raises SceneError."""
-        from .model import compile_scene
+        from .compiler.model import compile_scene
 
         try:
             return compile_scene(self)
@@ -27,20 +27,20 @@ class Scene(_scene.Scene):
             raise _scene.SceneError(error.problems, file=self._file) from None
 
     def simulate(self, until, step=None, inputs=None, parameters=None, **options):
-        """Run in process up to `until` (s); see `mbdfmi.simulate.simulate`. Returns Results, columns by name."""
-        from .simulate import simulate
+        """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by name."""
+        from .run.simulate import simulate
 
         return simulate(self.compile(), until, step, inputs, parameters, **options)
 
     def inverse(self, motion, times=None, **options):
-        """The efforts that a motion of joints needs; see `mbdfmi.inverse.inverse`. Returns Results, columns by name."""
-        from .inverse import inverse
+        """The efforts that a motion of joints needs; see `mbdfmi.analysis.inverse.inverse`. Returns Results, columns by name."""
+        from .analysis.inverse import inverse
 
         return inverse(self, motion, times, **options)
 
     def structure(self):
-        """Degrees of freedom, redundant equations, undetermined reactions; see `mbdfmi.structure.Structure`."""
-        from .structure import structure
+        """Degrees of freedom, redundant equations, undetermined reactions; see `mbdfmi.analysis.structure.Structure`."""
+        from .analysis.structure import structure
 
         return structure(self)
 

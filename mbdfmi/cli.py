@@ -67,7 +67,7 @@ def _is_told(error):
 
     from .export.aot import CompileError
     from .export.link import LinkError
-    from .simulate import SimulationError
+    from .run.instance import SimulationError
 
     return isinstance(error, (CompileError, LinkError, SimulationError))
 
@@ -298,8 +298,8 @@ def _vector(values):
 
 
 def _export(options):
+    from .compiler.model import c_identifier
     from .export.link import PLATFORMS
-    from .model import c_identifier
 
     platforms = list(PLATFORMS) if "all" in (options.platform or []) else options.platform
 
@@ -348,7 +348,7 @@ def _export(options):
 
 def _outputs(options, *inputs):
     """The files of --csv and --plot, or None, looked at before work starts."""
-    from .results import Results
+    from .run.results import Results
 
     csv = options.csv and writable(options.csv, inputs)
     plot = options.plot and writable(options.plot, [*inputs, *([csv] if csv else [])])
@@ -368,7 +368,7 @@ def _matching(file):
 
 
 def _inverse(options):
-    from .inverse import read_motion
+    from .analysis.inverse import read_motion
 
     csv, plot = _outputs(options, options.scene, options.motion)
     scene = _load(options.scene)
@@ -549,7 +549,7 @@ def _info(options):
 
 def _structure(path, scene, model):
     """The scene's Structure, and notices of its start; None, and why, where its loops cannot be closed."""
-    from .simulate import Instance, SimulationError
+    from .run.instance import Instance, SimulationError
 
     with _doing_first(f"{path}: looking at its freedoms"):
         try:
@@ -644,7 +644,7 @@ def _check_scene(path):
     """Reads a scene and starts its motion. Raises SceneError, SimulationError."""
     model = _load(path).compile()
 
-    from .simulate import Instance
+    from .run.instance import Instance
 
     with _doing(f"{path}: starting its motion") as tell:
         if not _kernels_are_compiled():

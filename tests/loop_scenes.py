@@ -5,8 +5,8 @@ from scenes import random_orientation, rotation
 from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
+from mbdfmi.compiler.topology import IDENTITY, compose, inverse
 from mbdfmi.scene.fields import plane_axes
-from mbdfmi.topology import IDENTITY, compose, inverse
 
 # freedoms that a joint leaves
 TREE = {

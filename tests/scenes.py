@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces, rates, tree
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance
 
 KINDS = ("revolute", "prismatic", "spherical", "free", "fixed")
 AXES = ("first", "heading", "body")

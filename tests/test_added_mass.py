@@ -10,8 +10,8 @@ from scenes import AXES, evaluate, random_scene, velocities
 from scipy.spatial.transform import Rotation
 
 import mbdfmi
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 FORMULATIONS = ("recursive", "embedding", "augmented")
 STILL = [0.0, 0.0, 0.0]

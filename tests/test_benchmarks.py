@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from benchmarks.problem_files import problem_file as problem
 from benchmarks.problem_files import scene_of
 from mbdfmi import Scene
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 SOLVER = {"integrator": "rk853", "tolerance": 1e-12}
 FORMULATIONS = ["recursive", "embedding", "augmented"]

@@ -6,14 +6,14 @@ problem amplifies errors, its notes say how many digits there are.
 
 import numpy as np
 import pytest
+from scenes import assert_near, energies, inverse_dynamics, mass_matrix, rotation
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from benchmarks.problem_files import problem_file
-from mbdfmi.model import compile_scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance
-from scenes import assert_near, energies, inverse_dynamics, mass_matrix, rotation
 
 TIGHT = {"tolerance": 1e-14}
 POSE = ["position", "euler_parameters", "omega_body"]

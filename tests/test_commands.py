@@ -7,8 +7,8 @@ from scipy.spatial.transform import Rotation
 
 import mbdfmi
 from mbdfmi.kernels.language import INTERPRETED
+from mbdfmi.run.instance import Instance
 from mbdfmi.scene import SceneError
-from mbdfmi.simulate import Instance
 
 POINT = {"mass": 1.0, "inertia": [0, 0, 0]}
 

@@ -5,10 +5,11 @@ import pytest
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from benchmarks.problem_files import problem_file
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import constraints, contacts, curves, joints, rows, surfaces, tree
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import Scene, SceneError
-from mbdfmi.simulate import Instance, SimulationError, simulate
 
 SOLVER = {"integrator": "rk853", "tolerance": 1e-12}
 SEED = 3

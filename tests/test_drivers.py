@@ -7,8 +7,8 @@ from scipy.integrate import quad
 
 import mbdfmi
 from mbdfmi.compiler.interpolation import curve
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import simulate
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.simulate import simulate
 
 INERTIA = [0.01] * 3
 SPEEDS = ([0.5, 1.0, 2.0, 2.5, 4.0], [0.0, 0.0, 1.5, -0.5, 0.7])

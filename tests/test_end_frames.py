@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mbdfmi import Scene
-from mbdfmi.simulate import SimulationError
+from mbdfmi.run.instance import SimulationError
 
 FREQUENCY = 1.5  # Hz
 AMPLITUDE = 0.02  # m

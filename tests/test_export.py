@@ -15,10 +15,10 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 from numba import types
 
-from mbdfmi import simulate
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import aot, description, export_fmu, package
 from mbdfmi.export.link import library
-from mbdfmi.model import compile_scene
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import Scene, read_scene
 from mbdfmi.units import UNITS
 
@@ -61,7 +61,7 @@ def test_fmpy_runs_it_as_in_process(exported):
     model, fmu = exported
     H, n = 0.01, 100
     there = fmpy.simulate_fmu(str(fmu), stop_time=n * H, output_interval=H)
-    inside = simulate.simulate(model, n * H, H)
+    inside = simulate(model, n * H, H)
 
     for v in model.of_causality("output"):
         scale = np.abs(inside[v.name]).max() + 1

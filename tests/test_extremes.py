@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from fmu_host import ERROR, OK, Instance, Library
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.export.resource import resource
 from mbdfmi.kernels.status import MESSAGES
-from mbdfmi.model import compile_scene
 from mbdfmi.scene import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from mbdfmi import cli, files
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.files import replacing
-from mbdfmi.model import compile_scene
-from mbdfmi.results import Results
+from mbdfmi.run.results import Results
 from mbdfmi.scene import read_scene
 
 PENDULUM = Path(__file__).parents[1] / "models" / "pendulum.toml"

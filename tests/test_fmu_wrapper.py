@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 from fmu_host import DISCARD, ERROR, OK, Instance, Library
 
-from mbdfmi import Scene, simulate
+from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.kernels.status import MESSAGES
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance as InProcess
 from mbdfmi.scene import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -392,7 +393,7 @@ def test_a_value_that_stands_changes_nothing(request, new, which):
 
 
 def test_a_parameter_that_stands_changes_nothing_in_process(arm_model_and_library):
-    plain, prepared = (simulate.Instance(arm_model_and_library[0]) for _ in range(2))
+    plain, prepared = (InProcess(arm_model_and_library[0]) for _ in range(2))
 
     for _ in range(30):
         prepared.prepare()
@@ -635,7 +636,7 @@ def test_as_in_process(arm_model_and_library, new):
     """The same kernels in process give the same numbers."""
     model, _ = arm_model_and_library
     rng = np.random.default_rng(0)
-    instance, inside = new().start(), simulate.Instance(model)
+    instance, inside = new().start(), InProcess(model)
     names = [v.name for v in model.of_causality("input")]
 
     for i in range(100):

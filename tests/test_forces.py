@@ -5,10 +5,11 @@ import pytest
 from scenes import assert_near, energies, evaluate, rows, velocities
 from scipy.special import ellipk
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance, simulate
 
 TIGHT = {"tolerance": 1e-12}
 

@@ -6,9 +6,9 @@ from numpy.polynomial import Polynomial
 from scenes import assert_near, random_scene
 from test_closed_forms import bars, reference
 
-from mbdfmi.model import compile_scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance, SimulationError
 
 LOOSE = 1e30
 

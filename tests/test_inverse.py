@@ -6,8 +6,8 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from test_structure import four_bar
 
 from mbdfmi import Scene
-from mbdfmi.inverse import read_motion
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.analysis.inverse import read_motion
+from mbdfmi.run.instance import Instance, SimulationError
 
 TIGHT = {"tolerance": 1e-12}
 TIMES = np.linspace(0.0, 1.0, 201)

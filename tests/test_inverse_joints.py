@@ -14,9 +14,9 @@ from scipy.spatial.transform import Rotation
 import mbdfmi
 from mbdfmi import Scene
 from mbdfmi.cli import main
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import dynamics, forces, tree
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 ALL_AXES = [0.01] * 3
 TURBINE = Path(mbdfmi.__file__).parents[1] / "models" / "floating_wind_turbine" / "floating_wind_turbine.toml"

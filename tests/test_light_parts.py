@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from mbdfmi import Scene
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 FORMULATIONS = ("recursive", "embedding", "augmented")
 RATIOS = (1.0, 1e-4, 1e-7, 1e-9, 1e-12)

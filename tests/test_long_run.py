@@ -8,9 +8,9 @@ import pytest
 from benchmarks.long_run import STEPPERS, run_long
 from benchmarks.orbits import ORBITS
 from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.integrate import INTEGRATORS
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 PERIODS = 30
 

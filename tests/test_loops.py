@@ -5,14 +5,14 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from loop_scenes import LOOP, random_loops, with_solver
+from scenes import assert_near, body_motion, evaluate, examples
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
-from scenes import assert_near, body_motion, evaluate, examples
 
 from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import constraints, joints, project, rows, tree
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.run.instance import Instance, SimulationError
 
 FORMULATIONS = ["recursive", "embedding", "augmented"]
 formulations = pytest.mark.parametrize("formulation", FORMULATIONS)

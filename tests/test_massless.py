@@ -8,10 +8,10 @@ from loop_scenes import LOOP, random_loops, with_solver
 from scenes import assert_near, body_motion, examples
 
 from mbdfmi import Scene, SceneError
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import constraints, rates
 from mbdfmi.kernels.status import OK
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.run.instance import Instance, SimulationError
 
 formulations = pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
 G = 9.81

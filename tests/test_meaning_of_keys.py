@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from test_powers import named_outputs
 
 from mbdfmi import Scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 MOTION = ["position", "velocity", "acceleration", "euler_parameters", "omega", "alpha"]
 BODY_MOTION = ["velocity_body", "acceleration_body", "omega_body", "alpha_body"]

@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 from fmu_host import OK, WARNING, Instance, Library
 
-from mbdfmi import simulate
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.export.resource import resource
 from mbdfmi.kernels.status import MESSAGES, MOST_NOTICES, STIFF, status, tell
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance as InProcess
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import read_scene
 
 PENDULUM = Path(__file__).parents[1] / "models" / "pendulum.toml"
@@ -33,8 +34,8 @@ def library(model, tmp_path_factory):
 
 def test_notices_of_a_model_open_every_run(model):
     noticed = replace(model, notices=["[body.bob] mass: odd"])
-    assert simulate.simulate(noticed, 0.1).notices == ["[body.bob] mass: odd"]
-    assert simulate.simulate(model, 0.1).notices == []
+    assert simulate(noticed, 0.1).notices == ["[body.bob] mass: odd"]
+    assert simulate(model, 0.1).notices == []
 
 
 @pytest.mark.parametrize("logging", [True, False])
@@ -54,7 +55,7 @@ def test_an_fmu_warns_when_its_start_stands(library, logging):
 def test_kernels_notices_with_numbers(model, monkeypatch):
     """Place and numbers stand in the text; all are told once, and those too many are counted."""
     monkeypatch.setitem(MESSAGES, 99, "%s: given %g, taken %g, 5 %")
-    instance = simulate.Instance(model)
+    instance = InProcess(model)
     tell(instance.d, status(99, 1), 0.25, -1e-7)
     tell(instance.d, status(STIFF, 0), 0.0, 0.0)
     instance.step(0.5)

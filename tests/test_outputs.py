@@ -7,10 +7,11 @@ from hypothesis import given
 from referee.independent import System
 from scenes import assert_near, examples, inputs_of, random_instance, trees
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import Scene, fmi_name
-from mbdfmi.simulate import Instance, simulate
 
 REACTIONS = ["reaction_force", "reaction_moment"]
 SOLVER = {"tolerance": 1e-12}

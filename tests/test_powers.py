@@ -10,8 +10,8 @@ from scenes import KINDS, assert_near, evaluate, examples, momenta, random_scene
 from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene, SceneError
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
 
 POWERS = ["input_power", "load_power", "driver_power", "dissipated_power"]
 ENERGIES = ["kinetic_energy", "gravity_energy", "spring_energy", "total_energy"]

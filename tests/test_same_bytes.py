@@ -11,7 +11,7 @@ import pytest
 from scipy import linalg
 
 from mbdfmi import load
-from mbdfmi.model import compile_scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.scene import read_scene
 from mbdfmi.vectors import dot, norm, solve_banded
 

@@ -5,14 +5,15 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
-from fmu_host import OK, WARNING, Instance as Slave, Library
+from fmu_host import OK, WARNING, Library
+from fmu_host import Instance as Slave
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.cli import main
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import read_scene
-from mbdfmi.simulate import Instance, SimulationError
 
 FORMULATIONS = ("recursive", "embedding", "augmented")
 formulations = pytest.mark.parametrize("formulation", FORMULATIONS)

@@ -6,10 +6,10 @@ from test_closed_forms import bars
 from test_integrate import instance_of, slope
 
 from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.kernels.rates import evaluate
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.run.instance import Instance, SimulationError
 
 OMEGA = 3.0
 ADAPTIVE = ["rk54", "rk853", "radau", "auto"]

@@ -10,9 +10,9 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 
 import mbdfmi
 from mbdfmi.compiler.interpolation import curve
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces, tables
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.run.instance import Instance
 
 INERTIA = [0.01] * 3
 READINGS = {

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from mbdfmi import Scene, SceneError, cli, load
-from mbdfmi.model import compile_scene
-from mbdfmi.results import Results
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
+from mbdfmi.run.results import Results
 from mbdfmi.scene import parse_scene, variable_name
-from mbdfmi.simulate import Instance
 
 MODELS = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
 AXES = [0.01] * 3

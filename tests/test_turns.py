@@ -6,8 +6,8 @@ from fmu_host import OK, Library
 from fmu_host import Instance as Hosted
 
 from mbdfmi import Scene
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 FORMULATIONS = ["recursive", "embedding", "augmented"]
 formulations = pytest.mark.parametrize("formulation", FORMULATIONS)

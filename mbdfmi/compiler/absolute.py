@@ -8,8 +8,8 @@ from ..kernels.commands import N_DERIVATIVE
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..kernels.views import DataView, ModelView
 from ..scene import Problem, SceneError
-from ..variables import dotted
 from ..vectors import dot
+from .variables import dotted
 
 
 def start_motion(model):

@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels import outputs, rows
 from ..kernels.joints import KINDS, N_V
-from ..variables import dotted
+from .variables import dotted
 
 MARKER_OUTPUTS = {
     # name: (kind, unit, what a description calls it)

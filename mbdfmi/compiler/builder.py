@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 from ..kernels import coordinates, layout, outputs, tables
 from ..kernels.joints import KINDS, N_Q, N_V
 from ..scene import Problem, Scene
-from ..topology import Tree, axes_with_z, chain
-from ..variables import Variable, subscripts
 from .interpolation import curve
 from .start import coupled_angles
+from .topology import Tree, axes_with_z, chain
+from .variables import Variable, subscripts
 
 
 class Table:

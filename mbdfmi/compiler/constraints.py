@@ -4,10 +4,10 @@ import numpy as np
 
 from ..kernels import contacts, rows
 from ..kernels.joints import KINDS, N_V
-from ..topology import axes_with_z
 from ..vectors import norm
 from .drives import coupling_constraints, drive_constraints
 from .start import start_pose
+from .topology import axes_with_z
 
 ALIGNED = [(rows.DOT, 0, 2), (rows.DOT, 1, 2)]  # z of both markers parallel
 LOCKED = [(rows.DOT, 0, 1), (rows.DOT, 1, 2), (rows.DOT, 2, 0)]  # all axes parallel

@@ -7,8 +7,8 @@ from scipy.interpolate import CubicSpline, PPoly
 
 from ..kernels import contacts, curves, notes, outputs, surfaces, tables
 from ..scene import Problem, SceneError
-from ..variables import dotted
 from ..vectors import dot
+from .variables import dotted
 
 # samples of a curve's tangent, and directions that may be the one it is never parallel to
 TANGENTS = 400

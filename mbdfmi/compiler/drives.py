@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..kernels import commands, drives, outputs, rows
-from ..variables import dotted
 from .joints import COORDINATES
+from .variables import dotted
 
 # of the ground: (size, unit, what it is)
 GROUND_INPUTS = {

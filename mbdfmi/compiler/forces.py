@@ -4,10 +4,10 @@ import numpy as np
 
 from ..kernels import outputs
 from ..kernels.forces import BODY, FIRST, HEADING
-from ..variables import dotted
 from ..vectors import norm
 from .elastic import elastic_table
 from .start import start_pose
+from .variables import dotted
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 

@@ -4,10 +4,10 @@ import numpy as np
 
 from ..kernels import notes, outputs
 from ..scene.starts import ENDINGS
-from ..variables import dotted
 from .contacts import add_contact_outputs
 from .elastic import elastic_table
 from .start import start_position
+from .variables import dotted
 
 # what the scalar coordinates of a joint are: names of a coordinate and its rate, its unit; several of one name are an array
 COORDINATES = {

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..topology import IDENTITY, compose, inverse
 from ..vectors import dot
 from .interpolation import curve
+from .topology import IDENTITY, compose, inverse
 
 # kinds of the joints that couplings are between
 COUPLED = ("revolute", "prismatic")

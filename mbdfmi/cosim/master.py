@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
-from ..results import Results
+from ..run.results import Results
 
 
 class CouplingError(Exception):

@@ -3,7 +3,7 @@
 import struct
 import zlib
 
-from ..model import sealed
+from ..compiler.model import sealed
 
 NAME = "model.bin"
 

@@ -12,12 +12,12 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from mbdfmi import Scene
-from mbdfmi.kernels.integrate import INTEGRATORS
-from mbdfmi.model import compile_scene
 from benchmarks.problem_files import problem_file as problem  # noqa: F401
 from benchmarks.problem_files import scene_of  # noqa: F401
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.kernels.integrate import INTEGRATORS
+from mbdfmi.run.instance import Instance, SimulationError
 
 # integrators by what they are for; those that this version does not know are left out of every case
 EXPLICIT = ("rk54", "rk853")

@@ -14,8 +14,8 @@ from test_stiff import two_bars_as_one
 from test_violating_starts import closed, four_bar
 
 from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
-from mbdfmi.model import compile_scene
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hard import FORMULATIONS, start, stopped_in_good_order
 
-from mbdfmi.simulate import SimulationError
+from mbdfmi.run.instance import SimulationError
 
 formulations = pytest.mark.parametrize("formulation", FORMULATIONS)
 OUTPUTS = ["constraint_gap", "constraint_rate", "total_energy", "kinetic_energy"]

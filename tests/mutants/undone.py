@@ -149,7 +149,7 @@ UNDONE = [
         "leaves[some] = (above", "leaves[some] = False & (above", "tests/test_tables.py",
     ),
     Undone(
-        5, "functions of time are held over the communication step", "inputs.py",
+        5, "functions of time are held over the communication step", "run/inputs.py",
         "        if not self.positions:\n            return", "        if True:\n            return",
         "tests/test_inputs.py",
     ),
@@ -208,7 +208,7 @@ UNDONE = [
     ),
     # 8
     Undone(
-        8, "setting a parameter to the value it has restarts the solver", "simulate.py",
+        8, "setting a parameter to the value it has restarts the solver", "run/instance.py",
         "if self._prepared != self.reals.tobytes():", "if True:",
         "tests/test_told.py tests/test_same_bytes.py",
     ),
@@ -317,7 +317,7 @@ UNDONE = [
         "smoothing_speed: Positive = 1e-3", "tests/test_forces.py",
     ),
     Undone(
-        13, "names beyond ASCII are unknown in Python", "simulate.py",
+        13, "names beyond ASCII are unknown in Python", "run/instance.py",
         "known(variable_name(name), by_name, \"parameter\")", "known(name, by_name, \"parameter\")",
         "tests/test_told.py",
     ),

@@ -5,7 +5,7 @@ import numpy as np
 from lxml import etree
 
 from mbdfmi.export.description import description
-from mbdfmi.simulate import SimulationError
+from mbdfmi.run.instance import SimulationError
 
 from .findings import Finding
 from .plan import dice

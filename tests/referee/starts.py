@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mbdfmi.cli import main
-from mbdfmi.model import compile_scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError, fmi_name
-from mbdfmi.simulate import Instance, SimulationError
 
 from .findings import Finding
 from .independent import reading

@@ -7,8 +7,8 @@ import tomllib
 import pytest
 
 from mbdfmi import Scene
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance, SimulationError
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
 
 from . import coverage, generator, shrink
 

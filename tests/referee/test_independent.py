@@ -10,8 +10,8 @@ from loop_scenes import random_loops
 from scenes import random_scene
 
 from mbdfmi import Scene
-from mbdfmi.model import compile_scene
-from mbdfmi.simulate import Instance
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 from .independent import System
 from .kinds import FAMILIES, arm

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from mutants.undone import UNDONE
 
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.language import INTERPRETED
-from mbdfmi.model import compile_scene
+from mbdfmi.run.instance import Instance
 from mbdfmi.scene import Scene
-from mbdfmi.simulate import Instance
 
 from . import compare, dependence, draws, laws, mended, route, starts
 from . import plan as plans

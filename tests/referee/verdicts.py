@@ -9,8 +9,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError
-from mbdfmi.simulate import Instance, SimulationError
 
 from . import compare, dependence, draws, laws, route, starts
 from . import plan as plans
@@ -217,8 +217,8 @@ def _dependence(model, plan, findings):
 def undetermined(scene):
     """Groups of outputs that rigid bodies do not determine: reactions,
     efforts and powers of joints that share a load."""
+    from mbdfmi.analysis.structure import structure
     from mbdfmi.scene import fmi_name
-    from mbdfmi.structure import structure
 
     try:
         owners = {reaction.owner for reaction in structure(scene).undetermined}

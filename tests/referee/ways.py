@@ -17,9 +17,10 @@ import numpy as np
 from fmu_host import OK, WARNING, Library
 from fmu_host import Instance as Component
 
-from mbdfmi.model import compile_scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance, SimulationError
+from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import Scene, SceneError
-from mbdfmi.simulate import Instance, SimulationError, simulate
 
 from .plan import N_DERIVATIVE, dice, pieces
 from .telling import all_told

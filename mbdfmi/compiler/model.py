@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .compiler.absolute import add_absolute_starts, start_motion
-from .compiler.bodies import (
+from ..kernels import integrate, layout, outputs
+from ..scene import Scene
+from .absolute import add_absolute_starts, start_motion
+from .bodies import (
     add_bodies,
     add_ground_outputs,
     add_markers,
@@ -20,16 +22,14 @@ from .compiler.bodies import (
     add_settings,
     add_work_limit,
 )
-from .compiler.builder import Builder
-from .compiler.constraints import add_constraints
-from .compiler.contacts import add_contacts
-from .compiler.drives import add_coupling_outputs, add_drives
-from .compiler.forces import add_forces
-from .compiler.joints import add_joints
-from .compiler.light_parts import tell_light_parts
-from .compiler.reactions import add_reactions
-from .kernels import integrate, layout, outputs
-from .scene import Scene
+from .builder import Builder
+from .constraints import add_constraints
+from .contacts import add_contacts
+from .drives import add_coupling_outputs, add_drives
+from .forces import add_forces
+from .joints import add_joints
+from .light_parts import tell_light_parts
+from .reactions import add_reactions
 from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable
 

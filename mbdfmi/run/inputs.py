@@ -10,8 +10,8 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from .kernels.commands import N_DERIVATIVE
-from .scene import variable_name
+from ..kernels.commands import N_DERIVATIVE
+from ..scene import variable_name
 
 # points of a part (0 to 1) that a polynomial is put through, and where it is compared
 NODES = 0.5 * (1 - np.cos(np.pi * np.linspace(0, 1, N_DERIVATIVE)))

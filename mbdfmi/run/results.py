@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .files import check_ending, replacing
-from .scene import variable_name
+from ..files import check_ending, replacing
+from ..scene import variable_name
 
 
 class Results(Mapping):

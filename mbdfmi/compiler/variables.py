@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .scene import fmi_name
+from ..scene import fmi_name
 
 
 @dataclass(frozen=True)

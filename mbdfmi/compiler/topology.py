@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .scene import Scene, SceneError
-from .scene.errors import Problem
-from .vectors import dot, norm
+from ..scene import Scene, SceneError
+from ..scene.errors import Problem
+from ..vectors import dot, norm
 
 IDENTITY = (np.zeros(3), np.eye(3))
 

@@ -1,5 +1,4 @@
-"""What a scene's joints leave free: true degrees of freedom by rank, equations that repeat others,
-reactions that are not determined.
+"""The constraints of a model in numbers: their velocity Jacobian, its rank, and the motions that it leaves free.
 
 Ranks are those of the constraints' velocity Jacobian C (rows by velocity coordinates), made free
 of units by a length of the scene. At a singular position (a parallelogram four-bar stretched out)
@@ -13,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .kernels import coordinates, joints, project, rows, tree
-from .kernels.status import OK
-from .model import compile_scene
-from .simulate import Instance
-from .topology import FREEDOMS, axes_with_z
+from ..compiler.model import compile_scene
+from ..compiler.topology import axes_with_z
+from ..kernels import coordinates, joints, project, rows, tree
+from ..kernels.status import OK
+from ..run.instance import Instance
 
 # singular values below this part of the largest are zero: positions are known to the square root
 # of rounding near a singular one
@@ -27,113 +26,6 @@ ZERO = 1e-6
 NEARBY = (0.1, 0.23)
 
 DRIVEABLE = ("revolute", "prismatic")
-
-
-@dataclass(frozen=True)
-class Equation:
-    """A constraint equation: the joint or coupling it belongs to, and what it keeps, in words
-    (inertial axes).
-    """
-
-    owner: str
-    keeps: str
-
-
-@dataclass(frozen=True)
-class Reaction:
-    """What of a joint's reaction is not determined, in words (inertial axes)."""
-
-    owner: str
-    what: str
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What the joints of a scene leave free.
-
-    coordinates : velocity coordinates of the tree's joints, without the driven ones.
-    equations, rank : constraint equations of what closes loops, rolls or couples; how many are
-    independent.
-    freedom : degrees of freedom, coordinates less rank.
-    freedom_at_start : the same at the start alone; more than `freedom` at a singular position.
-    driven : joints whose motion is prescribed.
-    closing : joints that close loops: they are not in the tree.
-    driveable : joints any one of which takes a freedom away when it is driven.
-    redundant : equations that follow from others in every position, those that the solver leaves
-    out.
-    undetermined : reactions that rigid bodies do not determine.
-    """
-
-    coordinates: int
-    equations: int
-    rank: int
-    freedom_at_start: int
-    driven: list[str]
-    closing: list[str]
-    driveable: list[str]
-    redundant: list[Equation]
-    undetermined: list[Reaction]
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom: independent velocities."""
-        return self.coordinates - self.rank
-
-
-def structure(scene) -> Structure:
-    """The structure of a scene at its start.
-
-    Raises SceneError; SimulationError where a loop cannot be closed.
-    """
-    joined = Mechanism(_with_all_joints(scene, "recursive"))
-    parted = Mechanism(_with_all_joints(scene, "augmented"))
-    here, generic = joined.here(), joined.generic()
-    model = joined.model
-
-    return Structure(
-        coordinates=len(joined.free),
-        equations=model.n_row,
-        rank=generic.rank,
-        freedom_at_start=len(joined.free) - here.rank,
-        driven=[name for name, joint in scene.joint.items() if joint.driver],
-        closing=[name for name in model.tree.cuts if scene.joint[name].kind in FREEDOMS],
-        driveable=joined.driveable(generic),
-        redundant=[joined.equation(row, here) for row in joined.redundant],
-        undetermined=parted.undetermined(parted.generic()),
-    )
-
-
-def _with_all_joints(scene, formulation):
-    """The scene with fixed joints that are not welds, for then they have equations and reactions.
-
-    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own;
-    ranks do not depend on it.
-    """
-    kept = {
-        name: joint.model_copy(update={"output": [*joint.output, "reaction_force"]})
-        if joint.kind == "fixed" and not joint.output
-        else joint
-        for name, joint in scene.joint.items()
-    }
-    solver = scene.solver.model_copy(update={"formulation": formulation})
-    bodies = {name: _with_inertia(body) for name, body in scene.body.items()}
-    return scene.model_copy(update={"body": bodies, "joint": kept, "solver": solver})
-
-
-def _with_inertia(body):
-    """The body itself, or if it has no inertia about some axis, one that has."""
-    mass, com, inertia = body.mass_properties()
-    moments = np.linalg.eigvalsh(inertia)
-
-    if mass > 0.0 and moments[0] > ZERO * moments[-1]:
-        return body
-
-    arms = [com, *(marker.pose()[0] for marker in body.marker.values())]
-    length = max(np.linalg.norm(arm) for arm in arms) or 1.0
-    mass = mass or 1.0
-    inertia = inertia + mass * length**2 * np.eye(3)
-    properties = {"mass": mass, "com": tuple(com), "inertia": inertia.tolist()}
-    return body.model_copy(update=properties | {"inertia_axes": None, "solid": None})
 
 
 @dataclass
@@ -243,7 +135,7 @@ class Mechanism:
         moment, force = self._wrenches()
         turning = np.linalg.norm(force, axis=1) == 0.0
         scale = np.where(turning, 1.0, 1.0 / self.length)
-        scale = np.where(self._is_coupling(), self._coupling_scale(C), scale)
+        scale = np.where(self.is_coupling(), self._coupling_scale(C), scale)
         place = Place(
             C=scale[:, None] * C * self.units,
             scale=scale,
@@ -263,7 +155,8 @@ class Mechanism:
         w, rd = self.d.w.reshape(-1, 3), self.d.rd.reshape(-1, 3)
         return self.d.row_rate.copy(), np.hstack([w, rd])
 
-    def _is_coupling(self):
+    def is_coupling(self):
+        """(n_row,) whether a row is a coupling's, or of a prescribed motion."""
         return self.m.row_kind == rows.COUPLING
 
     def _coupling_scale(self, C):
@@ -328,58 +221,9 @@ class Mechanism:
                 turn = Rotation.from_rotvec(v[k + linear : k + linear + 3])
                 E[:] = (turn * Rotation.from_quat(E)).as_quat()
 
-    # in words
-
-    def owner(self, row):
+    def owner(self, row) -> str:
         """The joint or coupling that a row belongs to."""
         return self.model.places[self.m.n_body + self.m.row_constraint[row]]
-
-    def equation(self, row, place) -> Equation:
-        """A row in words."""
-        owner = self.owner(row)
-
-        if self.m.row_kind[row] == rows.COUPLING:
-            keeps = "prescribed motion" if self.m.row_drive[row] >= 0 else "coupled motion"
-            return Equation(owner, keeps)
-
-        force, moment = place.force[row], place.moment[row]
-
-        if self.m.row_kind[row] == rows.DOT:
-            return Equation(owner, f"rotation {_along('about', moment[:, None])}")
-
-        rolling = self.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)
-        what = "velocity" if rolling else "position"
-        return Equation(owner, f"{what} {_along('along', force[:, None])}")
-
-    def undetermined(self, place) -> list[Reaction]:
-        """Reactions that a self-stress touches at a place."""
-        stress = place.self_stress
-        found = []
-
-        if not stress.size:
-            return found
-
-        for owner in dict.fromkeys(self.owner(row) for row in range(self.m.n_row)):
-            mine = np.array([self.owner(row) == owner for row in range(self.m.n_row)])
-            effort = mine & self._is_coupling()
-            wrench = mine & ~self._is_coupling()
-            moment = place.moment[wrench].T @ stress[wrench] / self.length
-            force = place.force[wrench].T @ stress[wrench]
-            size = np.linalg.norm(stress / place.scale[:, None], axis=0).max() / self.length
-            parts = []
-
-            for what, how, vectors in (("force", "along", force), ("moment", "about", moment)):
-                if np.linalg.norm(vectors) > 10 * ZERO * size:
-                    parts.append(f"{what} {_along(how, vectors)}".strip())
-
-            if np.linalg.norm(stress[effort] / place.scale[effort, None]) > 10 * ZERO:
-                driven = np.any(self.m.row_drive[effort] >= 0)
-                parts.append("driving effort" if driven else "coupling effort")
-
-            if parts:
-                found.append(Reaction(owner, ", ".join(parts)))
-
-        return found
 
     # joint coordinates
 
@@ -432,25 +276,3 @@ class Mechanism:
         """((node, pose), (node, pose)) of a joint's two markers, z along its axis."""
         turn = axes_with_z(self.scene.joint[name].axis)
         return [self.model.tree.joint_side(self.scene, name, side, turn) for side in (0, 1)]
-
-
-def _along(how, vectors):
-    """The directions that vectors (3, k) span, in words: "along z", "about x and y", "normal to
-    ..."; all: "".
-    """
-    U, s, _ = np.linalg.svd(vectors)
-    rank = int(np.sum(s > 1e-4 * s[0]))
-
-    if rank == 3:
-        return ""
-
-    projector = U[:, :rank] @ U[:, :rank].T
-    named = [axis for k, axis in enumerate("xyz") if projector[k, k] > 1.0 - 1e-6]
-
-    if len(named) == rank:
-        return f"{how} {' and '.join(named)}"
-
-    direction = U[:, 0] if rank == 1 else U[:, 2]
-    direction = direction * np.sign(direction[np.argmax(np.abs(direction))])
-    text = "({:.3g}, {:.3g}, {:.3g})".format(*np.where(np.abs(direction) < 1e-6, 0.0, direction))
-    return f"{how} {text}" if rank == 1 else f"normal to {text}"

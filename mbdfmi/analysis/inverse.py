@@ -15,18 +15,18 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.interpolate import BPoly, make_interp_spline
 
-from .compiler.joints import COORDINATES
-from .kernels import algebra, commands, joints, layout, outputs, project, rates
-from .kernels.status import OK
-from .results import Results
-from .scene import Scene, variable_name
-from .scene.errors import listed
-from .scene.starts import PrismaticStart, RevoluteStart
-from .simulate import Instance, SimulationError, explain
-from .structure import DRIVEABLE, ZERO, Mechanism
-from .topology import spanning_tree
-from .units import UNITS
-from .variables import dotted, subscripts
+from ..compiler.joints import COORDINATES
+from ..compiler.topology import spanning_tree
+from ..compiler.variables import dotted, subscripts
+from ..kernels import algebra, commands, joints, layout, outputs, project, rates
+from ..kernels.status import OK
+from ..run.instance import Instance, SimulationError, explain
+from ..run.results import Results
+from ..scene import Scene, variable_name
+from ..scene.errors import listed
+from ..scene.starts import PrismaticStart, RevoluteStart
+from ..units import UNITS
+from .mechanism import DRIVEABLE, ZERO, Mechanism
 
 EFFORTS = {"rad": ("torque", "N.m"), "m": ("force", "N")}
 

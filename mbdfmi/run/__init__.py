@@ -1,0 +1,1 @@
+"""A model runs in process: instance, inputs over time, results."""
