@@ -6,7 +6,9 @@ from pathlib import Path
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from mbdfmi.cli import carry_out, err, out, writable
+from mbdfmi.cli import carry_out
+from mbdfmi.cli.paths import writable
+from mbdfmi.cli.terminal import err, out
 
 from .long_run import PERIODS, QUICK_PERIODS, run_long
 from .speed_against_error import run_report

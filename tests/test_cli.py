@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from mbdfmi import cli
+from mbdfmi.cli import terminal
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
@@ -227,11 +228,11 @@ def test_build_fmu(tmp_path):
 
 def test_first_run_says_why_it_takes_long(command, monkeypatch, tmp_path):
     assert command("simulate", PENDULUM, "--until", 0.1)[2] == ""
-    assert cli._kernels_are_compiled()
+    assert terminal.kernels_are_compiled()
 
     # an empty cache tells that they are not; this process has them all the same
     monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
-    assert not cli._kernels_are_compiled()
+    assert not terminal.kernels_are_compiled()
     assert "compiling the kernels" in command("simulate", PENDULUM, "--until", 0.1)[2]
     assert "compiling the kernels" in command("check", PENDULUM)[2]
 
@@ -274,8 +275,8 @@ def test_motion_that_cannot_start(refused, tmp_path):
 @pytest.mark.parametrize(
     "setting, said",
     [
-        ("shoulder.torqe=5", "did you mean shoulder.torque?"),
-        ("shoulder.angle_strat=5", "did you mean shoulder.angle_start?"),
+        ("shoulder.torqe=5", "did you mean 'shoulder.torque'?"),
+        ("shoulder.angle_strat=5", "did you mean 'shoulder.angle_start'?"),
         ("nothing like it=5", "mbdfmi info SCENE --parameters"),
         ("shoulder.angle=5", "no input or parameter"),
         ("shoulder.torque", "NAME=VALUE"),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from mbdfmi import cli, files
+from mbdfmi.cli import terminal
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.files import replacing
@@ -173,7 +174,7 @@ def test_a_device_is_written_to(results):
 PROGRAM = """
 import sys
 import numpy as np
-from mbdfmi.results import Results
+from mbdfmi.run.results import Results
 print("first", flush=True)
 Results({"time": np.array([0.0, 1.0]), "x": np.array([1.0, 2.0])}, {"time": "s", "x": None}).to_csv(sys.argv[1])
 print("last")
@@ -208,7 +209,7 @@ def test_a_full_disk_names_the_file(results):
     with pytest.raises(OSError) as error:
         results.to_csv("/dev/full")
 
-    assert cli._text(error.value) == "/dev/full: No space left on device"
+    assert terminal.text_of(error.value) == "/dev/full: No space left on device"
 
 
 def test_an_error_in_the_middle_names_the_file_and_keeps_the_old(tmp_path):

@@ -6,8 +6,8 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from test_structure import four_bar
 
 from mbdfmi import Scene
-from mbdfmi.analysis.inverse import read_motion
 from mbdfmi.run.instance import Instance, SimulationError
+from mbdfmi.run.results import Results
 
 TIGHT = {"tolerance": 1e-12}
 TIMES = np.linspace(0.0, 1.0, 201)
@@ -259,7 +259,7 @@ def test_functions_with_derivatives_are_taken_at_their_word():
 def test_units_in_a_table(tmp_path):
     table = tmp_path / "motion.csv"
     table.write_text("time [s],q1.angle [deg],q2.angle\n0,0,0\n0.5,45,0.1\n1,90,0.2\n")
-    motion = read_motion(table)
+    motion = Results.from_csv(table)
     np.testing.assert_allclose(motion["q1.angle"], np.radians([0, 45, 90]), rtol=1e-15)
     assert motion.units["q1.angle"] == "rad"
     np.testing.assert_allclose(arm(2).inverse(table)["q1.speed"], np.pi / 2, rtol=1e-12)

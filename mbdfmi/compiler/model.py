@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..kernels import integrate, layout, outputs
+from ..kernels.commands import N_DERIVATIVE
+from ..kernels.views import DataView, ModelView
 from ..scene import Scene
 from .absolute import add_absolute_starts, start_motion
 from .bodies import (
@@ -74,6 +76,13 @@ class Model:
             return int(self.ints[layout.COUNTS.index(name)])
 
         raise AttributeError(name)
+
+    def views(self, reals=None):
+        """(m, d) of a run: the kernels' views of new buffers, inputs at their start values; `reals`: parameters (a copy)."""
+        state, work, u = np.zeros(self.n_state), np.zeros(self.n_work), np.zeros(N_DERIVATIVE * max(1, self.n_u))
+        u[: self.n_u] = [v.start for v in self.of_causality("input")]
+        m = ModelView(ints=self.ints, reals=self.reals.copy() if reals is None else reals)
+        return m, DataView(ints=self.ints, state=state, work=work, u=u)
 
     def of_causality(self, causality: str) -> list[Variable]:
         """Inputs, outputs or parameters."""

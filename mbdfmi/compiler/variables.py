@@ -1,8 +1,11 @@
 """The variables that an FMU, or a result table, shows: names, units, meanings, dependencies."""
 
+import re
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from ..scene import fmi_name
+from ..scene.errors import nearest
 
 
 @dataclass(frozen=True)
@@ -44,3 +47,24 @@ def subscripts(shape: tuple[int, ...]) -> list[str]:
         return [f"[{k + 1}]" for k in range(shape[0])]
 
     return [f"[{j + 1},{k + 1}]" for j in range(shape[0]) for k in range(shape[1])]
+
+
+def array_of(name: str) -> str:
+    """The name of the array that a variable is an element of, or its own."""
+    return re.sub(r"\[\d+(,\d+)*\]$", "", name)
+
+
+def meant(name: str, names: Iterable[str]) -> list[str]:
+    """Those of the variables' names that a name means: itself, or all elements of an array without index; [] for none."""
+    names = list(names)
+    return [name] if name in names else [element for element in names if array_of(element) == name]
+
+
+def hint(name: str, names: Collection[str], limit: int = 12) -> str:
+    """What to say of a name that is none of these: which it may be, else some of those there are."""
+    if near := nearest(name, [*dict.fromkeys(map(array_of, names)), *names]):
+        return "did you mean " + " or ".join(map(repr, near)) + "?"
+
+    names = list(names)
+    some = ", ".join(list(names)[:limit]) or "none"
+    return f"there are {some}" + (f" and {len(names) - limit} more" if len(names) > limit else "")

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from difflib import get_close_matches
 from pathlib import Path
 from shutil import rmtree
 
@@ -10,6 +9,7 @@ import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
+from ..compiler.variables import hint, meant
 from ..run.results import Results
 
 
@@ -184,16 +184,17 @@ def _find(slaves, text, *causalities):
     """The slave and the real variables that "name.variable" stands for: one, or an array's in order."""
     name, _, variable = text.partition(".")
     if name not in slaves:
-        raise CouplingError(f"{text}: no FMU {name!r}{_hint(name, slaves)}")
+        raise CouplingError(f"{text}: no FMU {name!r}; {hint(name, slaves)}")
 
-    fits = [v for v in slaves[name].description.modelVariables if v.causality in causalities and v.type == "Real"]
-    found = [v for v in fits if v.name == variable] or [v for v in fits if v.name.startswith(f"{variable}[")]
+    fits = {
+        v.name: v
+        for v in slaves[name].description.modelVariables
+        if v.causality in causalities and v.type == "Real"
+    }
+    found = meant(variable, fits)
+
     if not found:
         kinds = " or ".join(causalities)
-        raise CouplingError(f"{text}: {name} has no {kinds} {variable!r}{_hint(variable, [v.name for v in fits])}")
-    return slaves[name], found
+        raise CouplingError(f"{text}: {name} has no {kinds} {variable!r}; {hint(variable, fits)}")
 
-
-def _hint(name, known):
-    close = get_close_matches(name, known, n=1)
-    return f"; did you mean {close[0]!r}?" if close else f"; there are {', '.join(known) or 'none'}"
+    return slaves[name], [fits[key] for key in found]

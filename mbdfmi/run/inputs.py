@@ -6,10 +6,10 @@ bisection, and the parts end there. A function that is not smooth over any part 
 """
 
 import math
-from difflib import get_close_matches
 
 import numpy as np
 
+from ..compiler.variables import hint, meant
 from ..kernels.commands import N_DERIVATIVE
 from ..scene import variable_name
 
@@ -53,10 +53,7 @@ class Inputs:
 
         for name, value in given.items():
             name = variable_name(name)
-            parts = [v.index for key, v in by_name.items() if key.startswith(f"{name}[")]
-
-            if name in by_name or not parts:
-                parts = [known(name, by_name, "input").index]
+            parts = [by_name[part].index for part in known(name, by_name, "input")]
 
             if callable(value):
                 self._functions.append(_Function(name, value, parts))
@@ -103,7 +100,9 @@ class Inputs:
 
         self._last = found[-1][1] - found[-1][0], found[-1][2]
         starts = [start - a for start, _, _ in found] + [length]
-        return [(end - start, derivatives) for start, end, (_, _, derivatives) in zip(starts, starts[1:], found)]
+        return [
+            (end - start, derivatives) for start, end, (_, _, derivatives) in zip(starts, starts[1:], found)
+        ]
 
     def _at(self, t):
         """Values (n,) of the functions at t (s), each asked once."""
@@ -126,7 +125,9 @@ class Inputs:
         missed = abs(AT_BETWEEN @ coefficients + values[0] - there).max(axis=0)
         misfit = np.zeros(len(self._functions))
         np.maximum.at(misfit, self._owner, missed)
-        misfit = np.divide(misfit, self._scale, out=np.zeros_like(misfit), where=self._scale > 0) * self._smooth
+        misfit = (
+            np.divide(misfit, self._scale, out=np.zeros_like(misfit), where=self._scale > 0) * self._smooth
+        )
         derivatives = coefficients * FACTORIALS / (b - a) ** np.arange(N_DERIVATIVE)[:, None]
         derivatives[0] = values[0]
         return np.where(self._smooth[self._owner], derivatives, self._constant(self._start)), misfit
@@ -227,7 +228,9 @@ class _Function:
 
         if found.shape != (n,):
             what = "a finite number" if n == 1 else f"{n} finite numbers"
-            raise ValueError(f"input {self.name!r}: its function must return {what}; found {value!r} at {t:.9g} s")
+            raise ValueError(
+                f"input {self.name!r}: its function must return {what}; found {value!r} at {t:.9g} s"
+            )
 
         return found
 
@@ -247,14 +250,12 @@ def _held(name, given, size, times):
     return np.broadcast_to(values, (len(times), size))
 
 
-def known(name, by_name, what):
-    """The entry of a name; KeyError with a hint where there is none."""
-    if name in by_name:
-        return by_name[name]
+def known(name, names, what):
+    """Those of the names that a name means, of an array all elements; KeyError with a hint where there is none."""
+    if found := meant(name, names):
+        return found
 
-    close = get_close_matches(name, by_name, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else f"; there are {', '.join(by_name) or 'none'}"
-    raise KeyError(f"no {what} {name!r}{hint}")
+    raise KeyError(f"no {what} {name!r}; {hint(name, names)}")
 
 
 def numbers(given, what, shape=None, finite=True):
@@ -265,7 +266,8 @@ def numbers(given, what, shape=None, finite=True):
         values = np.empty(0, object)
 
     if values.dtype.kind not in "iuf" or shape not in (None, values.shape):
-        raise ValueError(f"{what} needs {'numbers' if shape is None else 'a number'}, found {given!r}")
+        needs = "numbers" if shape is None else f"{shape[0]} numbers" if shape else "a number"
+        raise ValueError(f"{what} needs {needs}, found {given!r}")
 
     if finite and not np.all(np.isfinite(values)):
         raise ValueError(f"{what} must be finite, found {values[~np.isfinite(values)].flat[0]}")

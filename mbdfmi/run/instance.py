@@ -7,9 +7,7 @@ import numpy as np
 
 from ..compiler.model import Model
 from ..kernels import entry
-from ..kernels.commands import N_DERIVATIVE
 from ..kernels.status import MESSAGES, MOST_NOTICES, OK
-from ..kernels.views import DataView, ModelView
 from ..scene import variable_name
 from .inputs import known, numbers
 
@@ -45,20 +43,19 @@ class Instance:
         self.notices = list(model.notices)
         self.reals = model.reals.copy()
         self._prepared = None
-        self.u = np.zeros(N_DERIVATIVE * max(1, model.n_u))
+        self.m, self.d = model.views(self.reals)
+        self.u = self.d.u_buffer
         self.y = np.zeros(model.n_y)
-        self.m = ModelView(ints=model.ints, reals=self.reals)
-        state, work = np.zeros(model.n_state), np.zeros(model.n_work)
-        self.d = DataView(ints=model.ints, state=state, work=work, u=self.u)
         by_name = {v.name: v for v in model.of_causality("parameter")}
-        self.u[: model.n_u] = [v.start for v in model.of_causality("input")]
 
         for position, value in (inputs or {}).items():
             self.u[position] = value
 
         for name, value in (parameters or {}).items():
-            index = known(variable_name(name), by_name, "parameter").index
-            self.reals[index] = numbers(value, f"parameter {name!r}", ())
+            found = [by_name[part].index for part in known(variable_name(name), by_name, "parameter")]
+            self.reals[found] = numbers(
+                value, f"parameter {name!r}", () if len(found) == 1 else (len(found),)
+            )
 
         self.prepare()
         status = entry.initialise(self.m, self.d, start_time)

@@ -7,8 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ..compiler.variables import hint, meant
 from ..files import check_ending, replacing
 from ..scene import variable_name
+from ..scene.errors import listed
+from ..units import UNITS
 
 
 class Results(Mapping):
@@ -44,12 +47,10 @@ class Results(Mapping):
         if known in self._columns:
             return self._columns[known]
 
-        parts = [column for key, column in self._columns.items() if key.startswith(f"{known}[")]
+        if parts := meant(str(known), self._columns):
+            return np.column_stack([self._columns[part] for part in parts])
 
-        if parts:
-            return np.column_stack(parts)
-
-        raise KeyError(f"no column {name!r}; there are {', '.join(map(repr, self._columns))}")
+        raise KeyError(f"no column {name!r}; {hint(str(known), self._columns)}")
 
     def __iter__(self):
         return iter(self._columns)
@@ -59,6 +60,40 @@ class Results(Mapping):
 
     def __repr__(self):
         return f"<Results of {self.title!r}: {len(self['time'])} rows of {', '.join(self)}>"
+
+    @classmethod
+    def from_csv(cls, path) -> "Results":
+        """The columns of a CSV file by name, in SI units, as `to_csv` or a user wrote them; its first row holds names,
+        "shoulder.angle" or "shoulder.angle [deg]".
+
+        Raises ValueError with the file's name, row and column.
+        """
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
+
+        if len(lines) < 2:
+            raise ValueError(f"{path}: needs a row of names and at least one of numbers")
+
+        columns, units = {}, {}
+
+        for k, heading in enumerate(lines[0]):
+            name, _, unit = heading.strip().partition(" [")
+            unit, factor = _unit(unit.removesuffix("]"))
+
+            if unit is None and factor is None:
+                raise ValueError(f"{path}: column {heading!r}: unknown unit; SI units may be left out")
+
+            if name in columns:
+                raise ValueError(f"{path}: two columns are called {name!r}")
+
+            cells = [_cell(path, line, row, k, name) for row, line in enumerate(lines[1:], 2)]
+            columns[name] = np.array(cells) / factor
+            units[name] = unit
+
+        if "time" not in columns:
+            raise ValueError(f'{path}: has no column "time" (s); there are {listed(columns)}')
+
+        return cls(columns, units, str(path))
 
     def to_csv(self, path) -> Path:
         """Write all columns, every digit kept, with a row of names "variable [unit]" on top; "-" is the standard output.
@@ -141,3 +176,32 @@ class Results(Mapping):
             figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
 
         return Path(path)
+
+
+def _cell(path, line, row, k, name):
+    text = line[k].strip() if k < len(line) else ""
+
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+
+    if not np.isfinite(value):
+        raise ValueError(f"{path}: row {row}, column {name!r}: needs a number, found {text!r}")
+
+    return value
+
+
+def _unit(text):
+    """(SI unit, factor of the unit by it) of a unit's name; (None, 1) for none, (None, None) for
+    an unknown one.
+    """
+    if not text or text in UNITS:
+        return text or None, 1.0
+
+    for name, unit in UNITS.items():
+        for display, factor in unit.display:
+            if display == text:
+                return name, factor
+
+    return None, None

@@ -27,13 +27,16 @@ def simulate(
         communication point, held until the next, or a function of time (s) alone, which is followed between communication
         points too, jumps and corners included (a pulse shorter than a tenth of a step may be missed). The name of an array
         variable without index takes as many of these as it has elements, or a function that returns them.
-    parameters : values other than the scene's, by variable name.
+    parameters : values other than the scene's, by variable name; of an array without index all its elements.
     progress : called with the time reached (s) after each communication step.
 
     Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
     names, ValueError for times or arrays that do not fit.
     """
-    until, start_time = float(numbers(until, "until", (), False)), float(numbers(start_time, "start_time", ()))
+    until, start_time = (
+        float(numbers(until, "until", (), False)),
+        float(numbers(start_time, "start_time", ())),
+    )
     duration = until - start_time
 
     if not 0.0 < duration < np.inf:

@@ -127,8 +127,8 @@ def listed(words, joiner="and", limit=12):
     return ", ".join(words[:-1]) + f" {joiner} {words[-1]}"
 
 
-def did_you_mean(word, options):
-    """` Did you mean "x"?` for the option nearest to the word, or nothing when none is near."""
+def nearest(word, options):
+    """The options that a word that is none of them may be meant for; [] when none is near."""
     # compared in lower case, answered as written
     spelt = {option.lower(): option for option in options}
     word = str(word).lower()
@@ -144,4 +144,10 @@ def did_you_mean(word, options):
         or [option for option in spelt if option.startswith(word) and len(word) > 2]
         or get_close_matches(word, list(spelt), n=1, cutoff=0.65)
     )
-    return f" Did you mean {listed([spelt[option] for option in near], 'or')}?" if near else ""
+    return [spelt[option] for option in near]
+
+
+def did_you_mean(word, options):
+    """` Did you mean "x"?` for the option nearest to the word, or nothing when none is near."""
+    near = nearest(word, options)
+    return f" Did you mean {listed(near, 'or')}?" if near else ""

@@ -272,7 +272,7 @@ UNDONE = [
     ),
     # 12
     Undone(
-        12, "a file that is read is written over", "cli.py", "        if same(path, given):",
+        12, "a file that is read is written over", "cli/paths.py", "        if same(path, given):",
         "        if False:", "tests/test_files.py",
     ),
     Undone(

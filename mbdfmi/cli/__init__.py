@@ -1,0 +1,11 @@
+"""The command `mbdfmi`: a file for each of its commands (commands/), what they share beside them."""
+
+from .parser import parser
+from .terminal import carry_out
+
+__all__ = ["carry_out", "main"]
+
+
+def main(arguments=None) -> int:
+    """Run the command line; returns the exit status: 0 done, 1 failed with a message."""
+    return carry_out(parser(), arguments)

@@ -1,0 +1,46 @@
+"""mbdfmi check: mistakes in a scene or an FMU."""
+
+from pathlib import Path
+
+from ..arguments import add_command
+from ..fmu_check import check_fmu
+from ..paths import load_scene
+from ..terminal import COMPILING, doing, kernels_are_compiled, note, out
+
+
+def add(commands):
+    """The command and its arguments."""
+    command = add_command(
+        commands,
+        run,
+        "check",
+        "look for mistakes in a scene or an FMU",
+        """A scene is read and its motion started. An FMU, of any maker, is validated and
+run for a few steps. All mistakes found are printed; the exit status is 1 then.""",
+    )
+    command.add_argument("file", metavar="SCENE|FMU", help="scene file (TOML), or any FMU")
+
+
+def run(options):
+    """Raises what was found."""
+    path = Path(options.file)
+    notes = check_fmu(path) if path.suffix.lower() == ".fmu" else _check_scene(path)
+    out.print(f"{path}: no mistakes found{notes}", soft_wrap=True)
+
+
+def _check_scene(path):
+    """Reads a scene and starts its motion. Raises SceneError, SimulationError."""
+    model = load_scene(path).compile()
+
+    from ...run.instance import Instance
+
+    with doing(f"{path}: starting its motion") as tell:
+        if not kernels_are_compiled():
+            tell(COMPILING)
+
+        instance = Instance(model)
+        instance.outputs()
+        instance.step(1e-3)
+
+    note(instance.notices)
+    return ""

@@ -1,0 +1,91 @@
+"""mbdfmi export: scenes as FMUs."""
+
+from pathlib import Path
+
+from ...files import check_ending, to_standard_output
+from ..arguments import SCENE, add_command
+from ..paths import load_scene, matching, writable
+from ..terminal import doing, err, is_told, out, text_of
+
+
+def add(commands):
+    """The command and its arguments."""
+    command = add_command(
+        commands,
+        run,
+        "export",
+        "write scenes as FMUs",
+        """An FMU (FMI 2.0, co-simulation) holds all it needs: no Python and no compiler
+where it runs. The first export of a version compiles the kernels, which takes
+some minutes; later ones take a second.""",
+        """examples:
+  mbdfmi export crane.toml                      writes crane.fmu
+  mbdfmi export crane.toml -o out/tower.fmu     under another name
+  mbdfmi export models/*.toml -o fmus           one FMU for each, in a folder
+  mbdfmi export crane.toml --platform x86_64-linux --platform x86_64-windows""",
+    )
+    command.add_argument("scenes", nargs="+", **SCENE)
+    command.add_argument(
+        "-o",
+        "--output",
+        metavar="PATH",
+        help="the FMU when it ends in .fmu, - for the standard output, else a folder (default: <scene's name>.fmu here)",
+    )
+    command.add_argument(
+        "--platform",
+        action="append",
+        metavar="NAME",
+        help="x86_64-linux, aarch64-linux, x86_64-windows, x86_64-macos, aarch64-macos or all; "
+        "may be repeated (default: this machine's)",
+    )
+
+
+def run(options):
+    """Writes the FMUs, and says where; one broken scene does not keep the others from being built."""
+    from ...compiler.model import c_identifier
+    from ...export.link import PLATFORMS
+
+    platforms = list(PLATFORMS) if "all" in (options.platform or []) else options.platform
+
+    for name in platforms or []:
+        if name not in PLATFORMS:
+            raise ValueError(f"--platform {name}: unknown; there are {', '.join(PLATFORMS)} and all")
+
+    files = [file for given in options.scenes for file in matching(given)]
+    target = Path(options.output or "")
+    written_to = to_standard_output(target) or (target.exists() and not target.is_file())
+    one_file = (target.suffix.lower() == ".fmu" or written_to) and not target.is_dir()
+    say = err if to_standard_output(target) else out
+
+    if not (one_file or target.exists()):
+        check_ending(target, "FMUs are to be written", ".fmu")
+
+    if one_file and len(files) > 1:
+        raise ValueError(f"--output {target}: one file cannot hold {len(files)} scenes; name a folder")
+
+    written, failures = {}, []
+
+    for file in files:
+        try:
+            scene = load_scene(file)
+            path = writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu", files)
+
+            if path in written:
+                raise ValueError(
+                    f"{file}: has the same name as {written[path]}, so their FMUs would have too"
+                )
+
+            with doing(f"{file}: exporting") as tell:
+                scene.export(path, platforms, progress=lambda text: tell(f"{file}: {text}"))
+
+            written[path] = file
+            size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""
+            say.print(f"{path}{size}", soft_wrap=True)
+        except Exception as error:
+            if not is_told(error):
+                raise
+
+            failures.append(text_of(error))
+
+    if failures:
+        raise ValueError("\n".join(failures))

@@ -1,0 +1,57 @@
+"""mbdfmi simulate: a run in process."""
+
+from ..arguments import SCENE, add_command, add_result_files, add_settings
+from ..paths import load_scene, result_files
+from ..settings import settings_of
+from ..show_results import show
+from ..terminal import time_bar
+
+MOST_POINTS = 10_000_000  # communication points of a run: some GB of results
+
+
+def add(commands):
+    """The command and its arguments."""
+    command = add_command(
+        commands,
+        run,
+        "simulate",
+        "run a scene in process",
+        """The run uses the same kernels as an FMU and gives the same numbers. Without
+--csv and --plot it prints a summary. Inputs are 0 unless --set holds them at
+another value; inputs that change in time need Python: mbdfmi.load(...).simulate.""",
+        """examples:
+  mbdfmi simulate pendulum.toml --until 10
+  mbdfmi simulate pendulum.toml --until 10 --step 0.01 --csv a.csv --plot a.png
+  mbdfmi simulate arm.toml --until 2 --set elbow.torque=5 --set gravity=0,0,-1.62
+
+`mbdfmi info SCENE --parameters` lists what --set can set.""",
+    )
+    command.add_argument("scene", **SCENE)
+    command.add_argument("--until", type=float, required=True, metavar="T", help="end of the run, s")
+    command.add_argument(
+        "--step",
+        type=float,
+        metavar="H",
+        help="communication step, s (default: T/500): how often results are kept; the solver's own steps are finer "
+        "where they need to be",
+    )
+    add_result_files(command, "all inputs and outputs")
+    add_settings(command)
+
+
+def run(options):
+    """Runs, and shows or writes what came of it."""
+    csv, plot = result_files(options, options.scene)
+    scene = load_scene(options.scene)
+    model = scene.compile()
+    inputs, parameters = settings_of(model, options.set)
+
+    if options.step and abs(options.until / options.step) > MOST_POINTS:
+        raise ValueError(
+            f"--step {options.step:g}: more than {MOST_POINTS:,} communication points up to {options.until:g} s"
+        )
+
+    with time_bar(options.until) as progress:
+        results = scene.simulate(options.until, options.step, inputs, parameters, progress=progress)
+
+    show(results, csv, plot)

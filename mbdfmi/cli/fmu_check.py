@@ -1,0 +1,64 @@
+"""An FMU of any maker: validated, and run for a few steps."""
+
+import os
+import subprocess
+import sys
+import tempfile
+
+from .terminal import doing, text_of
+
+# runs ten steps of an FMU
+_TRIAL = """
+import sys, fmpy
+experiment = fmpy.read_model_description(sys.argv[1]).defaultExperiment
+start = float(getattr(experiment, "startTime", None) or 0)
+step = float(getattr(experiment, "stepSize", None) or 0.01)
+fmpy.simulate_fmu(sys.argv[1], start_time=start, stop_time=start + 10 * step, output_interval=step)
+"""
+
+
+def check_fmu(path):
+    """Raises ValueError with all that fmpy's validation finds, or with why a first run fails.
+
+    Returns what there is to add when nothing was found.
+    """
+    import zipfile
+
+    import fmpy
+    from fmpy.validation import validate_fmu
+
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file")
+
+    try:
+        with zipfile.ZipFile(path) as archive:
+            damaged = archive.testzip()
+
+        if damaged:
+            raise ValueError(f"{path}: damaged, {damaged} in it cannot be read")
+    except (zipfile.BadZipFile, EOFError) as error:
+        raise ValueError(f"{path}: not an FMU, or damaged: an FMU is a zip archive ({error})") from error
+
+    try:
+        problems = validate_fmu(str(path))
+    except Exception as error:  # fmpy has no class of its own for what it finds
+        raise ValueError(f"{path}: its description cannot be read: {text_of(error)}") from error
+
+    if problems:
+        raise ValueError("\n".join(f"{path}: {problem}" for problem in problems))
+
+    if fmpy.platform not in fmpy.supported_platforms(str(path)):
+        return f" (not run: it holds no library for {fmpy.platform})"
+
+    # in a process of its own, with a folder of its own: a bad library may bring its process down
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, doing(f"{path}: a first run"):
+        environment = os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), folder)
+        command = [sys.executable, "-c", _TRIAL, str(path)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, errors="replace")
+
+    if done.returncode:
+        said = [line for line in (done.stdout + done.stderr).splitlines() if line.strip()]
+        reason = "it brings its process down" if done.returncode < 0 or not said else said[-1]
+        raise ValueError(f"{path}: valid by its description, but a first run fails: {reason}")
+
+    return ""

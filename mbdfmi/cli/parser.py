@@ -1,0 +1,30 @@
+"""The command line's parser, of the commands' parts."""
+
+import argparse
+
+from .. import __version__
+from .commands import check, export, info, inverse, simulate
+
+COMMANDS = (export, simulate, inverse, info, check)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    whole = argparse.ArgumentParser(
+        prog="mbdfmi",
+        description="A multibody scene in, a native FMI 2.0 co-simulation FMU out.",
+        epilog="""a first try:
+  mbdfmi info models/pendulum.toml                       what is in it
+  mbdfmi simulate models/pendulum.toml --until 10        how it moves
+  mbdfmi export models/pendulum.toml                     pendulum.fmu, for any FMI tool
+
+`mbdfmi COMMAND --help` says more about each command.""",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    whole.add_argument("--version", action="version", version=f"mbdfmi {__version__}")
+    commands = whole.add_subparsers(required=True, metavar="COMMAND")
+
+    for command in COMMANDS:
+        command.add(commands)
+
+    return whole

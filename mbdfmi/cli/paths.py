@@ -1,0 +1,77 @@
+"""Files that commands read and write, looked at before work starts."""
+
+import glob
+import os
+from pathlib import Path
+
+from ..files import same, to_standard_output
+
+
+def load_scene(file):
+    """The scene of a file. Raises SceneError; ValueError for an FMU."""
+    from ..api import load
+
+    if Path(file).suffix.lower() == ".fmu":
+        raise ValueError(
+            f"{file}: is an FMU; this command wants a scene file (TOML). For an FMU: mbdfmi check"
+        )
+
+    return load(file)
+
+
+def matching(file):
+    """A file, or those that a pattern with * stands for: Windows' shells leave patterns to the program."""
+    return sorted(glob.glob(file)) if "*" in file and not Path(file).exists() else [file]
+
+
+def writable(text, inputs):
+    """The path of a file to be written, looked at before work starts; `inputs` are files that stay as they are.
+
+    Raises ValueError that says what hinders.
+    """
+    path = Path(text)
+
+    for given in inputs:
+        if same(path, given):
+            raise ValueError(f"{path}: is read by this command or written twice; write to another file")
+
+    if to_standard_output(path):
+        return path
+
+    if path.is_dir():
+        raise ValueError(f"{path}: is a folder; name a file in it")
+
+    if path.exists():
+        if not os.access(path, os.W_OK):
+            raise ValueError(f"{path}: cannot be written, it is not yours to write")
+        if not path.is_file():
+            return path
+
+    path = Path(os.path.realpath(path)) if path.is_symlink() else path
+
+    # folders that are missing will be made
+    parent = next(folder for folder in path.absolute().parents if folder.exists())
+
+    if not parent.is_dir():
+        raise ValueError(f"{path}: cannot be written, {parent} is a file and not a folder")
+
+    if not os.access(parent, os.W_OK):
+        raise ValueError(f"{path}: cannot be written, the folder {parent} is not yours to write in")
+
+    return path
+
+
+def result_files(options, *inputs):
+    """The files of --csv and --plot, or None, looked at before work starts."""
+    from ..run.results import Results
+
+    csv = options.csv and writable(options.csv, inputs)
+    plot = options.plot and writable(options.plot, [*inputs, *([csv] if csv else [])])
+
+    if csv:
+        Results.check_csv(csv)
+
+    if plot:
+        Results.check_plot(plot)
+
+    return csv, plot

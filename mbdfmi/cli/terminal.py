@@ -1,0 +1,120 @@
+"""The terminal: what is printed, what is told of errors, what shows that work goes on."""
+
+import sys
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+# names and titles are free text: nothing in them is markup, an emoji or to be coloured
+out = Console(markup=False, highlight=False, emoji=False)
+err = Console(markup=False, highlight=False, emoji=False, stderr=True)
+
+COMPILING = "compiling the kernels, once per version (some minutes)"
+
+
+def carry_out(parser, arguments=None) -> int:
+    """Parse arguments and call their `run`; what a user can mend is told without a traceback.
+
+    Returns the exit status.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+
+    options = parser.parse_args(arguments)
+
+    try:
+        options.run(options)
+    except Exception as error:
+        if not is_told(error):
+            raise
+
+        err.print("error: ", style="bold red", end="")
+        err.print(text_of(error), soft_wrap=True)
+        return 1
+    except KeyboardInterrupt:
+        err.print("stopped")
+        return 130
+
+    return 0
+
+
+def is_told(error):
+    """Whether an error is a user's to read; others are ours and keep their traceback."""
+    from ..scene import SceneError
+
+    if isinstance(error, (SceneError, OSError, ImportError, ValueError, KeyError)):
+        return True
+
+    from ..export.aot import CompileError
+    from ..export.link import LinkError
+    from ..run.instance import SimulationError
+
+    return isinstance(error, (CompileError, LinkError, SimulationError))
+
+
+def text_of(error):
+    """What a user reads of an error."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+
+    return str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+
+
+def note(notices):
+    """Tells notices, beside the results."""
+    for notice in notices:
+        err.print(f"note: {notice}", soft_wrap=True)
+
+
+@contextmanager
+def doing(text):
+    """Shows what takes time; yields a function to call with what comes next."""
+    if not err.is_terminal:
+        yield lambda text: err.print(text, soft_wrap=True)
+        return
+
+    with err.status(text) as status:
+        yield status.update
+
+
+@contextmanager
+def doing_first(text):
+    """Shows what may have to wait for the kernels."""
+    if err.is_terminal or not kernels_are_compiled():
+        with doing(text if kernels_are_compiled() else COMPILING):
+            yield
+    else:
+        yield
+
+
+def kernels_are_compiled():
+    """Whether an in-process run can start at once."""
+    from ..kernels.language import cache_directory, source_hash
+
+    return any((cache_directory() / "jit" / source_hash()).rglob("*.nbc"))
+
+
+@contextmanager
+def time_bar(until):
+    """A bar over the simulated time; yields a function to call with the time reached (s)."""
+    text = "simulating" if kernels_are_compiled() else COMPILING
+
+    if not err.is_terminal:
+        if text == COMPILING:
+            err.print(text)
+
+        yield None
+        return
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.completed:.4g} of {task.total:.4g} s"),
+        TimeRemainingColumn(),
+    )
+
+    with Progress(*columns, console=err, transient=True) as bar:
+        task = bar.add_task(text, total=until)
+        yield lambda time: bar.update(task, completed=time, description="simulating")
