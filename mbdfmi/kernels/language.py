@@ -37,8 +37,10 @@ def source_hash() -> str:
     """
     digest = hashlib.sha256(numba.__version__.encode())
 
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    folder = Path(__file__).parent
+
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
 
     return digest.hexdigest()[:20]
 

@@ -61,7 +61,7 @@ def cache_folder():
 
 def sources() -> dict[str, str]:
     """Text by file, relative to the package, of the parts in which mutants live."""
-    paths = sorted(path for part in PARTS for path in (PACKAGE / part).glob("*.py"))
+    paths = sorted(path for part in PARTS for path in (PACKAGE / part).rglob("*.py"))
     return {path.relative_to(PACKAGE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
