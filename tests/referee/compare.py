@@ -40,18 +40,17 @@ APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
 class Reference:
     """The reference and its kicked runs.
 
-    units : of outputs by name. ignored : groups of outputs that are not determined. start :
-    how exact a start is, m and rad.
-    size : of a group, the largest value of all outputs of its unit, which rounding goes by.
+    units : of outputs by name. exact : `exactness.Exactness`, what can be asked of the scene.
+    size : of a group, the largest value of all outputs of its unit. rounding : what rounding may take of it.
     """
 
-    def __init__(self, run, kicked, units, ignored=(), start=0.0):
-        self.start = start
+    def __init__(self, run, kicked, units, exact):
+        self.exact = exact
         self.run = run
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
         self.groups = {
-            g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in ignored
+            g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in exact.undetermined
         }
         of_unit = {}
 
@@ -60,6 +59,15 @@ class Reference:
             of_unit[unit] = max(of_unit.get(unit, 0.1), np.abs(self.values[:, columns]).max())
 
         self.size = {g: of_unit[units[run.names[c[0]]]] for g, c in self.groups.items()}
+        # accelerations are sums of forces over inertias, which round before they cancel
+        of_forces = {
+            acceleration: ULPS * of_unit.get(force, 0.0) / inertia
+            for acceleration, force, inertia in zip(("m/s2", "rad/s2"), ("N", "N.m"), exact.lightest)
+        }
+        self.rounding = {
+            g: max(ROUNDING, exact.carried) * self.size[g] + of_forces.get(units[run.names[c[0]]], 0.0)
+            for g, c in self.groups.items()
+        }
         n = min([len(self.values), *(len(k.values) for k in kicked)])
         self.times, self.phases, self.values = self.times[:n], self.phases[:n], self.values[:n]
         self.intervals = max(1, int(np.sum(self.phases == ARRIVING)) - 1)
@@ -129,19 +137,25 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
         return []
 
     theirs, ours = reference.rows(run)
+    halving = HALVING * safety
     steps = run.steps or STEPS_UNKNOWN * reference.intervals
     safety = safety * (SAFETY + OF_A_STEP * steps / reference.intervals)
     n = len(twin.values) if twin else len(run.values)
     seen = (theirs < n) & (reference.times[ours] < until)
     theirs, ours = theirs[seen], ours[seen]
-    tolerance = ULPS if twin else reference.start + TIGHT + (0.0 if run.way.step else run.way.tolerance)
+    exact = reference.exact
+    tolerance = exact.start + exact.carried + TIGHT + (0.0 if run.way.step else run.way.tolerance)
+    tolerance = ULPS if twin else tolerance
     values, at = np.array(run.values), {name: k for k, name in enumerate(run.names)}
     beyond, worst = 0.0, None
 
     for g, columns in reference.groups.items():
         names = [reference.run.names[c] for c in columns]
 
-        if not all(name in at for name in names):
+        # among a run's own outputs a name may be another part's
+        ambiguous = run.way.plain and g.rpartition(".")[0] in exact.shared
+
+        if ambiguous or not all(name in at for name in names):
             continue
 
         mine = values[:, [at[name] for name in names]]
@@ -151,12 +165,12 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
             else reference.values[ours][:, columns]
         )
         off = difference(g, mine[theirs], wanted)
-        allowed = safety * tolerance * reference.growth[g][ours] + ROUNDING * reference.size[g]
+        allowed = safety * tolerance * reference.growth[g][ours] + reference.rounding[g]
 
         if halved is not None:
             allowed = (
                 allowed
-                + HALVING
+                + halving
                 * 2.0 ** ORDERS[run.way.integrator]
                 * _halving(g, halved, at, names, len(mine))[theirs]
             )

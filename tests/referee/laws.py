@@ -266,16 +266,21 @@ def mass_and_gravity(scene, plan):
 
 def jumps(data):
     """s, when tables of positions may make speeds jump, which no integral sees:
-    everywhere where they are straight, and at their ends but where they stand still there.
+    everywhere where they are straight, and at their ends but where smooth ones stand still there.
     """
     tables = [joint.get("driver", {}).get("table") for joint in data.get("joint", {}).values()]
     tables.append(data.get("ground", {}).get("motion", {}).get("table"))
     found = set()
 
     for table in filter(None, tables):
-        time = table["time"]
+        time, how = table["time"], table.get("interpolation", "smooth")
         rows = [value for key, value in table.items() if key not in ("time", "interpolation")]
-        ends = [time[k] for k, next_one in ((0, 1), (-1, -2)) if any(row[k] != row[next_one] for row in rows)]
-        found |= set(time if table.get("interpolation") == "linear" else ends)
+        # a spline leaves two equal points with a slope
+        ends = [
+            time[k]
+            for k, next_one in ((0, 1), (-1, -2))
+            if any(row[k] != row[next_one] or how != "smooth" for row in rows)
+        ]
+        found |= set(time if how == "linear" else ends)
 
     return found

@@ -19,6 +19,7 @@ N_DERIVATIVE = 6
 CHANGEABLE = re.compile(
     r"(\.mass|\.com\[\d\]|^gravity\[\d\]|\.stiffness|\.damper|\.damping|\.rest|\.rest_length|\.force\[\d\])$"
 )
+LEFT = "left as it is, the length at the start"
 COMMANDS = {"position_command": 0, "angle_command": 0, "speed_command": 1, "acceleration_command": 2}
 GROUND = {
     "position": 0, "velocity": 1, "acceleration": 2, "euler_parameters": 0, "zyx": 0, "omega": 1, "alpha": 2,
@@ -225,6 +226,9 @@ def _settings(seed, model, points):
             value = v.start * rng.uniform(0.7, 1.4) if v.start else 0.0
             settings.setdefault(k, {})[v.name] = float(value)
 
+    # what is left to the start stays so where it is set to its own value, which each formulation finds for itself
+    names = [v for v in names if LEFT not in v.description]
+
     if names:
         again = min(names, key=lambda v: dice(seed, "again", v.name).random())
         standing = again.start
@@ -243,6 +247,11 @@ def pieces(plan, pattern):
     equal, as a master's are.
     """
     kind, *n = pattern
+
+    # to the bit the steps of that one pattern
+    if kind == "union" and len(n[0]) == 1:
+        return pieces(plan, n[0][0])
+
     result, last = [], 0.0
 
     for k, length in enumerate(np.diff(plan.points)):

@@ -9,6 +9,7 @@ from mbdfmi.scene import fmi_name
 from .compare import groups
 from .findings import Finding
 from .independent import System
+from .telling import with_ground_seen
 from .ways import LEAVING
 
 # relative to the largest value of its kind, and what a constraint may be open
@@ -24,10 +25,10 @@ SMALL = 6  # bodies up to which every shared point is looked at
 FORCES = ("accel", "alpha", "effort", "reaction", "power", "moment", "force")
 
 
-def agrees(data, plan, run, ignored, count, exact=0.0):
+def agrees(data, plan, run, exact, count):
     """Findings where a run in process tells another thing than the independent route, of the same motion.
 
-    exact : m and rad, to which loops close; what acts along them is as good as that.
+    exact : `exactness.Exactness`; what acts along loops is as good as they close.
     """
     columns = groups(list(plan.signals))
 
@@ -40,14 +41,14 @@ def agrees(data, plan, run, ignored, count, exact=0.0):
     for k, t in enumerate(plan.points[:-1]):
         row = leaving[np.abs(times - t) < 1e-9 * plan.until]
 
-        if not len(row):
+        if not len(row) or t >= exact.until:
             break
 
         changed = plan.settings.get(k, {})
 
         # what the scene leaves to the start stays as it was there
         if system is None:
-            system = System(data, changed)
+            system = System(with_ground_seen(data), changed)
         elif changed:
             system = system.changed(changed)
 
@@ -58,7 +59,7 @@ def agrees(data, plan, run, ignored, count, exact=0.0):
         inputs = {name: np.squeeze(plan.inputs(t, k)[:, at]) for name, at in columns.items()}
         own = system.evaluate(run.times[row[0]], system.motions_of(told), inputs, told)
         alone = {name: value for name, value in told.items() if name.rpartition(".")[0] not in shared}
-        found = list(_instant(alone, own, run, run.times[row[0]], ignored, count, exact))
+        found = list(_instant(alone, own, run, run.times[row[0]], exact, count))
 
         if found:
             others = ", ".join(finding.variable for finding in found[1:9])
@@ -68,8 +69,8 @@ def agrees(data, plan, run, ignored, count, exact=0.0):
     return []
 
 
-def _instant(told, own, run, t, ignored, count, exact):
-    near, gap = max(CLOSE, OF_A_GAP * exact), max(OPEN, OF_A_GAP * exact)
+def _instant(told, own, run, t, exact, count):
+    near, gap = max(CLOSE, OF_A_GAP * exact.start), max(OPEN, OF_A_GAP * exact.start)
     open_by = np.abs(own["constraint residuals"]).max(initial=0.0)
     size = {name: np.abs(value).max() for name, value in told.items()}
     position = max([1.0, *(size[name] for name in told if name.endswith("position"))])
@@ -83,7 +84,7 @@ def _instant(told, own, run, t, ignored, count, exact):
     )
 
     for name, value in told.items():
-        if name not in own or name in ignored:
+        if name not in own or name in exact.undetermined:
             continue
 
         wanted, value = np.atleast_1d(own[name]), np.atleast_1d(value)

@@ -29,6 +29,7 @@ def kept(data, run):
         return []
 
     first = dict(zip(run.names, run.values[0]))
+    more = sum(int(n) for text in run.notices for n in re.findall(r"^and (\d+) more of this kind", text))
     found = []
 
     for name, joint in data.get("joint", {}).items():
@@ -58,12 +59,21 @@ def kept(data, run):
                     )
                 )
 
-    return found
+    # of many only the first are told one by one
+    return found if len(found) > more else []
 
 
 def moved(run):
-    """Start values that were not kept, as they are told."""
-    return {text.partition(" at the start ")[0] for text in run.notices if " at the start " in text}
+    """Start values that were not kept: what is told of each -> the numbers taken, to a few digits."""
+    found = {}
+
+    for text in run.notices:
+        name, here, rest = text.partition(" at the start ")
+
+        if here:
+            found[name] = [f"{float(x):.3g}" for x in re.findall(r"(?:taken as|turned by) (\S+?)[:\s]", rest)]
+
+    return found
 
 
 def names(text, joint):

@@ -32,12 +32,13 @@ JOINT = {
     "curve_on_curve": ["s", "s_rate"],
     "point_on_surface": ["s", "s_rate"],
 }
+SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}
 SIX = ["force", "moment", "displacement", "rotation", "power"]
 
 
 def all_told(data):
     """The scene, a dict as of its TOML file, with every output in it."""
-    data = copy.deepcopy(data)
+    data = with_ground_seen(data)
     data["output"] = SCENE
     data.setdefault("ground", {})["output"] = ["reaction_force", "reaction_moment"]
 
@@ -67,6 +68,24 @@ def all_told(data):
         measure["output"] = MEASURE
 
     return _without_clashes(data)
+
+
+def with_ground_seen(data):
+    """A copy of the scene; where inputs command the ground, with measures of it from the inertial frame,
+    which tell what inputs do not."""
+    data = copy.deepcopy(data)
+
+    if not data.get("ground", {}).get("motion", {}).get("input"):
+        return data
+
+    markers, measures = data["ground"].setdefault("marker", {}), data.setdefault("measure", {})
+    measures["ground_seen"] = {"between": ["inertial", "ground"]}
+
+    for name, place in SEEN.items():
+        markers[name] = {"position": place}
+        measures[f"ground_{name}"] = {"between": ["inertial", f"ground.{name}"]}
+
+    return data
 
 
 def _without_clashes(data):

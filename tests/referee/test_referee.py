@@ -16,6 +16,7 @@ from mbdfmi.scene import Scene
 from . import compare, dependence, draws, laws, mended, route, starts
 from . import plan as plans
 from .__main__ import main
+from .exactness import Exactness
 from .findings import Count
 from .generator import FOCUS, draw
 from .interpreter import Interpreter
@@ -60,7 +61,7 @@ def ways(plan):
 def reference(plan, ways):
     model = model_of(DATA, Way())
     units = {v.name: v.unit for v in model.of_causality("output")}
-    return compare.Reference(run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units)
+    return compare.Reference(run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units, Exactness())
 
 
 @pytest.fixture
@@ -312,9 +313,9 @@ def test_a_description_that_is_not_the_models(monkeypatch, old, new):
 
 @pytest.mark.parametrize("name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"])
 def test_what_the_second_route_tells_otherwise(good, plan, name):
-    assert route.agrees(DATA, plan, good, (), Count()) == []
+    assert route.agrees(DATA, plan, good, Exactness(), Count()) == []
     row = next(k for k, phase in enumerate(good.phases) if phase == LEAVING and good.times[k] > 0)
-    (finding,) = route.agrees(DATA, plan, broken(good, name, row, lambda x: x + 1e-4), (), Count())
+    (finding,) = route.agrees(DATA, plan, broken(good, name, row, lambda x: x + 1e-4), Exactness(), Count())
     assert finding.variable == name.partition("[")[0]
 
 

@@ -1,6 +1,5 @@
 """One scene before the referee: all its ways, and every verdict on them."""
 
-import re
 import time as clock
 import traceback
 from dataclasses import dataclass, field, replace
@@ -12,7 +11,7 @@ import numpy as np
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError
 
-from . import compare, dependence, draws, laws, route, starts
+from . import compare, dependence, draws, exactness, laws, route, starts
 from . import plan as plans
 from .findings import Count, Finding
 from .ways import Libraries, Way, model_of, run
@@ -90,9 +89,9 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
         return
 
     verdict.first = dict(zip(reference.names, reference.values[0]))
-    ignored = undetermined(scene)
     units = {v.name: v.unit for v in model.of_causality("output")}
-    of = compare.Reference(reference, kicked, units, ignored, _precision(data, model, reference))
+    exact = exactness.of(data, scene, model, plan, reference)
+    of = compare.Reference(reference, kicked, units, exact)
     _near(data, plan, ways, runs, of, verdict)
     _bits(data, plan, ways, runs, verdict, libraries)
 
@@ -104,25 +103,13 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
     if ways.integrals and reference.whole:
         _balances(data, scene, plan, ways, of, verdict)
 
-    _second_route(data, plan, reference, ignored, of.start, verdict)
+    _second_route(data, plan, reference, exact, verdict)
     findings += starts.kept(data, reference)
     findings += starts.written(data)
     findings += dependence.told(model)
     _dependence(model, plan, findings)
     findings += starts.checked(scene, folder / "scene.toml")
     count.add("stopped early", reference.stopped is not None)
-
-
-def _precision(data, model, reference):
-    """How exact a start is, m and rad: loops close to their tolerance, or not quite."""
-    gaps = [
-        float(size)
-        for text in reference.notices
-        for size in re.findall(r"does not quite close.* stay (\S+) m", text)
-    ]
-    turns = [float(size) for text in reference.notices for size in re.findall(r"turned by (\S+) rad", text)]
-    closes = data.get("solver", {}).get("closing_tolerance", 1e-9) if model.n_row else 0.0
-    return max([closes, *gaps, *turns]) if gaps else closes
 
 
 def _reference(data, plan, ways):
@@ -139,12 +126,11 @@ def _reference(data, plan, ways):
 
 def _near(data, plan, ways, runs, of, verdict):
     # what hangs on a drive whose speed jumps goes on as each formulation and step has it
-    until = min((t for t in laws.jumps(data) if t > 0.0), default=np.inf)
+    until = min([of.exact.until, *(t for t in laws.jumps(data) if t > 0.0)])
     safety = OF_KINKS if kinked(data) else 1.0
 
     for k, other in enumerate(runs):
-        # what inputs command at the start comes after the starts of absolute coordinates were found
-        if other.way.formulation == "augmented" and _starts_elsewhere(data, other, of):
+        if _starts_elsewhere(data, other, of):
             verdict.count.add("started elsewhere, and told")
             continue
 
@@ -196,9 +182,9 @@ def _unbalanced(data, scene, plan, way, of, count):
     return unbalanced
 
 
-def _second_route(data, plan, reference, ignored, exact, verdict):
+def _second_route(data, plan, reference, exact, verdict):
     try:
-        verdict.findings += route.agrees(data, plan, reference, ignored, verdict.count, exact)
+        verdict.findings += route.agrees(data, plan, reference, exact, verdict.count)
     except Exception:
         verdict.findings.append(
             Finding("second route", str(reference.way), text=traceback.format_exc().strip())
@@ -214,29 +200,20 @@ def _dependence(model, plan, findings):
         pass
 
 
-def undetermined(scene):
-    """Groups of outputs that rigid bodies do not determine: reactions,
-    efforts and powers of joints that share a load."""
-    from mbdfmi.analysis.structure import structure
-    from mbdfmi.scene import fmi_name
-
-    try:
-        owners = {reaction.owner for reaction in structure(scene).undetermined}
-    except (SceneError, SimulationError):
-        return set()
-
-    endings = (
-        "reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body", "effort",
-        "driver_effort", "power",
-    )  # fmt: skip
-    return {f"{fmi_name(owner)}.{ending}" for owner in owners for ending in (*endings, "efforts")}
-
-
 def _starts_elsewhere(data, run, of):
-    """Whether a run starts elsewhere than the reference, where that is told or where inputs command motions."""
-    motions = [joint.get("driver", {}) for joint in data.get("joint", {}).values()] + [data.get("ground", {}).get("motion", {})]
-    commanded = any("input" in motion for motion in motions)
-    return starts.moved(run) != starts.moved(of.run) or (commanded and compare.near(of, run, Count(), until=1e-12) != [])
+    """Whether a run starts elsewhere than the reference, where that is told or,
+    in absolute coordinates, where inputs command motions: their starts are found before."""
+    if starts.moved(run) != starts.moved(of.run):
+        return True
+
+    late = run.way.formulation == "augmented" and _commanded(data)
+    return late and compare.near(of, run, Count(), until=1e-12) != []
+
+
+def _commanded(data):
+    """Whether inputs command motions."""
+    motions = [joint.get("driver", {}) for joint in data.get("joint", {}).values()]
+    return any("input" in motion for motion in [*motions, data.get("ground", {}).get("motion", {})])
 
 
 def kinked(data):
