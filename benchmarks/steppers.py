@@ -7,8 +7,8 @@ import numpy as np
 
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import entry
-from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
+from mbdfmi.run.follow import follow
 from mbdfmi.run.instance import Instance, explain
 from mbdfmi.scene import Scene, SceneError
 
@@ -91,23 +91,3 @@ class OurRun:
             "rejected": int(d.rejected[0]),
             "evaluations": int(d.evaluations[0]),
         }
-
-
-@kernel
-def follow(m, d, times, y, rows):
-    """Outputs (n_t, n_y) at the times (n_t,), s, by one communication step to each. Returns a status."""
-    for k in range(len(times)):
-        failure = entry.step(m, d, times[k] - d.time[0])
-
-        if failure != OK:
-            return failure
-
-        failure = entry.compute_outputs(m, d, y)
-
-        if failure != OK:
-            return failure
-
-        for j in range(len(y)):
-            rows[k, j] = y[j]
-
-    return OK

@@ -38,6 +38,12 @@ class Scene(_scene.Scene):
 
         return inverse(self, motion, times, **options)
 
+    def compare_steppers(self, until, step=None, **options):
+        """Error against cost of every stepper on this scene; see `mbdfmi.analysis.comparison.compare_steppers`."""
+        from .analysis.comparison import compare_steppers
+
+        return compare_steppers(self, until, step, **options)
+
     def structure(self):
         """Degrees of freedom, redundant equations, undetermined reactions; see `mbdfmi.analysis.structure.Structure`."""
         from .analysis.structure import structure

@@ -12,6 +12,7 @@ import pytest
 
 from mbdfmi import cli
 from mbdfmi.cli import terminal
+from mbdfmi.kernels.language import INTERPRETED
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
@@ -226,6 +227,7 @@ def test_build_fmu(tmp_path):
     assert "nowhere.toml: there is no such file" in done.stderr
 
 
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 def test_first_run_says_why_it_takes_long(command, monkeypatch, tmp_path):
     assert command("simulate", PENDULUM, "--until", 0.1)[2] == ""
     assert terminal.kernels_are_compiled()

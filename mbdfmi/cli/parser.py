@@ -3,9 +3,9 @@
 import argparse
 
 from .. import __version__
-from .commands import check, export, info, inverse, simulate
+from .commands import bench, check, export, info, inverse, simulate
 
-COMMANDS = (export, simulate, inverse, info, check)
+COMMANDS = (export, simulate, inverse, info, check, bench)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -91,9 +91,9 @@ def doing_first(text):
 
 def kernels_are_compiled():
     """Whether an in-process run can start at once."""
-    from ..kernels.language import cache_directory, source_hash
+    from ..kernels.language import INTERPRETED, cache_directory, source_hash
 
-    return any((cache_directory() / "jit" / source_hash()).rglob("*.nbc"))
+    return INTERPRETED or any((cache_directory() / "jit" / source_hash()).rglob("*.nbc"))
 
 
 @contextmanager

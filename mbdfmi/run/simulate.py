@@ -33,28 +33,9 @@ def simulate(
     Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
     names, ValueError for times or arrays that do not fit.
     """
-    until, start_time = (
-        float(numbers(until, "until", (), False)),
-        float(numbers(start_time, "start_time", ())),
-    )
-    duration = until - start_time
-
-    if not 0.0 < duration < np.inf:
-        raise ValueError(f"the run must end after it starts at {start_time} s; found until = {until}")
-
-    step = duration / 500 if step is None else float(numbers(step, "step", (), False))
-
-    if not 0.0 < step < np.inf:
-        raise ValueError(f"the communication step must be positive; found {step}")
-
-    n = max(1, round(duration / step))
-
-    if abs(n * step - duration) > 1e-6 * step:
-        n = int(np.ceil(duration / step))
-
-    steps = np.full(n, step)
-    steps[-1] = duration - (n - 1) * step
-    times = start_time + np.append(np.arange(n) * step, duration)
+    start_time = float(numbers(start_time, "start_time", ()))
+    times, steps = communication_points(start_time, until, step)
+    n = len(steps)
     signals = Inputs(model, inputs or {}, times, _tolerance(model, parameters))
     instance = Instance(model, parameters, start_time, signals.first())
     u = instance.u.reshape(N_DERIVATIVE, -1)
@@ -87,3 +68,29 @@ def simulate(
 def _tolerance(model, parameters):
     """The solver's relative tolerance, a parameter."""
     return (parameters or {}).get("solver.tolerance", model.scene.solver.tolerance)
+
+
+def communication_points(start_time, until, step=None):
+    """(times (n + 1,), steps (n,)), s, of a run that ends at `until`; the last step is what is left.
+
+    step : s, by default a 500th of the run. Raises ValueError for times that make no run.
+    """
+    until = float(numbers(until, "until", (), False))
+    duration = until - start_time
+
+    if not 0.0 < duration < np.inf:
+        raise ValueError(f"the run must end after it starts at {start_time} s; found until = {until}")
+
+    step = duration / 500 if step is None else float(numbers(step, "step", (), False))
+
+    if not 0.0 < step < np.inf:
+        raise ValueError(f"the communication step must be positive; found {step}")
+
+    n = max(1, round(duration / step))
+
+    if abs(n * step - duration) > 1e-6 * step:
+        n = int(np.ceil(duration / step))
+
+    steps = np.full(n, step)
+    steps[-1] = duration - (n - 1) * step
+    return start_time + np.append(np.arange(n) * step, duration), steps
