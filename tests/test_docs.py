@@ -97,3 +97,27 @@ def test_sections_of_the_theory_that_the_sources_name():
     for path in [*(ROOT / "mbdfmi").rglob("*.py"), *(ROOT / "tests").rglob("*.py"), *PAGES]:
         named = re.findall(r"docs/theory\.md,? (?:sections? )?(\d+(?:\.\d+)?)", path.read_text(encoding="utf-8"))
         assert set(named) <= numbers, path
+
+
+def test_where_everything_is():
+    """What the index of the architecture page names as code is in one of the files beside it."""
+    page = ROOT / "docs" / "architecture.md"
+    table = page.read_text(encoding="utf-8").partition("| looked for | open |")[2].partition("\n\n")[0]
+    rows = [line.split("|")[1:3] for line in table.splitlines()[2:]]
+    assert len(rows) > 25
+
+    for what, where in rows:
+        files = [page.parent / link for link in re.findall(r"\]\(([^)]+)\)", where)]
+        assert 0 < len(files) <= 3, what
+        text = "".join(path.read_text(encoding="utf-8") for path in files if path.is_file())
+
+        for name in re.findall(r"`(\w+)`", what):
+            assert re.search(rf"\b{name}\b", text), (name, where)
+
+
+@pytest.mark.parametrize("page", [README, *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "contributing", "theory"))])
+def test_files_that_the_documents_name(page):
+    named = re.findall(r"`((?:mbdfmi|tests|docs|fmu_src|models|benchmarks)/[\w./]*)`", page.read_text(encoding="utf-8"))
+
+    for path in named:
+        assert (ROOT / path).exists(), path
