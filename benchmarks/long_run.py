@@ -96,7 +96,9 @@ class LongRunReport:
         return {"rows": self.rows}
 
     def save(self, folder: Path) -> list[Path]:
-        """Writes long_run.json, long_run.md and, where matplotlib is, long_run.png into a folder; returns the paths."""
+        """Writes long_run.json, long_run.md and, where matplotlib is, long_run.png into a folder; returns the
+        paths.
+        """
         try:
             figure = self.figure()
         except ImportError:
@@ -227,8 +229,11 @@ def run_long(
     rows = []
 
     for k, (orbit, name) in enumerate(runs):
-        text = f"{orbit.name}, {name}"
-        rows.append(_run(orbit, name, periods, lambda part: progress((k + part) / len(runs), text)))
+
+        def tell(part, done=k, text=f"{orbit.name}, {name}"):
+            progress((done + part) / len(runs), text)
+
+        rows.append(_run(orbit, name, periods, tell))
 
     progress(1.0, "done")
     return LongRunReport(rows)

@@ -44,7 +44,7 @@ class MuJoCoMotion:
                 {"step": h, "soft": soft},
                 level,
                 f"{soft:g}",
-            )  # fmt: skip
+            )
             for level, h in enumerate(problem.steps)
             for soft in (SOFT if loops else SOFT[:1])
         ]
@@ -165,9 +165,11 @@ class MuJoCoRun:
             for along in (0.0,) if planar else (-0.5, 0.5):
                 r, A = poses[joint["body_i"]]
                 equality = spec.add_equality(
-                    type=mujoco.mjtEq.mjEQ_CONNECT, objtype=mujoco.mjtObj.mjOBJ_BODY,
-                    name1=_world(joint["body_i"]), name2=_world(joint["body_j"]),
-                )  # fmt: skip
+                    type=mujoco.mjtEq.mjEQ_CONNECT,
+                    objtype=mujoco.mjtObj.mjOBJ_BODY,
+                    name1=_world(joint["body_i"]),
+                    name2=_world(joint["body_j"]),
+                )
                 anchor = np.array(joint["point"], float) + along * np.array(joint["axis"], float)
                 equality.data[:3] = A.T @ (anchor - r)
                 equality.solref = [self.soft * self.step, 1.0]

@@ -97,8 +97,8 @@ class SpeedReport:
 
     def standing(self, aim: float, problem: str) -> dict:
         """Who needs how much CPU time for an error: the best (name, s) of `ours`, of the packaged peers
-        (`package`) and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to ours,
-        or None; and `all`.
+        (`package`) and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to
+        ours, or None; and `all`.
         """
         times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
         groups = {
@@ -184,9 +184,11 @@ def run_report(
 
     for k, problem in enumerate(problems):
         fraction = 0.25 + 0.65 * k / len(problems)
-        results = contest(
-            problem, contestants, QUICK if quick else Limits(), lambda text: progress(fraction, text)
-        )
+
+        def tell(text, fraction=fraction):
+            progress(fraction, text)
+
+        results = contest(problem, contestants, QUICK if quick else Limits(), tell)
         rows.append(
             {
                 "name": problem.name,

@@ -27,25 +27,33 @@ class Scene(_scene.Scene):
             raise _scene.SceneError(error.problems, file=self._file) from None
 
     def simulate(self, until, step=None, inputs=None, parameters=None, **options):
-        """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by name."""
+        """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
+        name.
+        """
         from .run.simulate import simulate
 
         return simulate(self.compile(), until, step, inputs, parameters, **options)
 
     def inverse(self, motion, times=None, **options):
-        """The efforts that a motion of joints needs; see `mbdfmi.analysis.inverse.inverse`. Returns Results, columns by name."""
+        """The efforts that a motion of joints needs; see `mbdfmi.analysis.inverse.inverse`. Returns Results,
+        columns by name.
+        """
         from .analysis.inverse import inverse
 
         return inverse(self, motion, times, **options)
 
     def compare_steppers(self, until, step=None, **options):
-        """Error against cost of every stepper on this scene; see `mbdfmi.analysis.comparison.compare_steppers`."""
+        """Error against cost of every stepper on this scene; see
+        `mbdfmi.analysis.comparison.compare_steppers`.
+        """
         from .analysis.comparison import compare_steppers
 
         return compare_steppers(self, until, step, **options)
 
     def structure(self):
-        """Degrees of freedom, redundant equations, undetermined reactions; see `mbdfmi.analysis.structure.Structure`."""
+        """Degrees of freedom, redundant equations, undetermined reactions; see
+        `mbdfmi.analysis.structure.Structure`.
+        """
         from .analysis.structure import structure
 
         return structure(self)

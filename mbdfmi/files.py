@@ -11,9 +11,9 @@ from pathlib import Path
 
 # endings that promise a format
 FORMATS = set(
-    ".csv .tsv .txt .dat .xls .xlsx .ods .json .yaml .yml .toml .xml .html .htm .md .py .m .mat .npy .npz .h5 .hdf5 .parquet "
-    ".feather .pickle .pkl .png .jpg .jpeg .gif .svg .pdf .eps .ps .tif .tiff .webp .fmu .ssp .ssd .zip .gz .bz2 .xz .7z .tar "
-    ".urdf .step .stp .stl .asmt .c .h .so .dll .exe".split()
+    ".csv .tsv .txt .dat .xls .xlsx .ods .json .yaml .yml .toml .xml .html .htm .md .py .m .mat .npy .npz "
+    ".h5 .hdf5 .parquet .feather .pickle .pkl .png .jpg .jpeg .gif .svg .pdf .eps .ps .tif .tiff .webp "
+    ".fmu .ssp .ssd .zip .gz .bz2 .xz .7z .tar .urdf .step .stp .stl .asmt .c .h .so .dll .exe".split()
 )
 
 STANDARD_OUTPUT = "-"
@@ -23,8 +23,9 @@ STANDARD_OUTPUT = "-"
 def replacing(path):
     """A temporary path, which takes the place of `path` when the block ends without an error.
 
-    Folders are made as needed. On an error nothing is left behind and an old file stays as it was; an OSError names `path`. Of a
-    symbolic link the target is replaced. What is no plain file (a pipe, a device), and `-`, the standard output, is written to.
+    Folders are made as needed. On an error nothing is left behind and an old file stays as it was; an OSError
+    names `path`. Of a symbolic link the target is replaced. What is no plain file (a pipe, a device), and
+    `-`, the standard output, is written to.
     """
     path = Path(path)
     written = _is_written_to(path)
@@ -71,7 +72,9 @@ def same(one, other) -> bool:
 
 
 def check_ending(path, what, *endings):
-    """Raises ValueError when the path's ending promises a format other than those in `endings`; `what` is to be written."""
+    """Raises ValueError when the path's ending promises a format other than those in `endings`; `what` is to
+    be written.
+    """
     ending = Path(path).suffix.lower()
 
     if ending in FORMATS - set(endings):
@@ -113,14 +116,16 @@ def _pour(source, path):
     if descriptor == 1:
         sys.stdout.flush()
 
-    to = open(path if descriptor is None else os.dup(descriptor), "wb", buffering=0)
+    target = path if descriptor is None else os.dup(descriptor)
 
-    with open(source, "rb") as file, to:
+    with open(source, "rb") as file, open(target, "wb", buffering=0) as to:
         shutil.copyfileobj(file, to)
 
 
 def _mode(target):
-    """Permissions of a file that is there; of a new one those of the user's other files: mkstemp's are private."""
+    """Permissions of a file that is there; of a new one those of the user's other files: mkstemp's are
+    private.
+    """
     if target.exists():
         return stat.S_IMODE(target.stat().st_mode)
 

@@ -1,4 +1,6 @@
-"""Products and lengths whose digits do not depend on the processor, as those of BLAS do: a model is the same everywhere."""
+"""Products and lengths whose digits do not depend on the processor, as those of BLAS do: a model is the same
+everywhere.
+"""
 
 import math
 

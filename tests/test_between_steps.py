@@ -73,7 +73,7 @@ def test_radau_constants_are_those_of_collocation():
     eigenvalues[1:, 1:] = [[implicit.MU_RE, -implicit.MU_IM], [implicit.MU_IM, implicit.MU_RE]]
     assert [A[2] @ c**j for j in range(5)] == pytest.approx([1 / (j + 1) for j in range(5)], abs=1e-15)
     assert A @ implicit.T @ eigenvalues == pytest.approx(implicit.T, abs=2e-15)
-    assert implicit.T @ implicit.T_INVERSE == pytest.approx(np.eye(3), abs=2e-15)
+    assert pytest.approx(np.eye(3), abs=2e-15) == implicit.T @ implicit.T_INVERSE
 
     # the estimate vanishes for x' = 1, t: gamma (x' + sum of e_i Z_i / h), Z = c and c^2 / 2
     assert implicit.ERROR @ c == pytest.approx(-1, abs=4e-15)

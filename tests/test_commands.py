@@ -129,7 +129,7 @@ def test_a_free_particle_stays_where_it_is(told, order, allowed):
             run = Run(moving_ground(told, velocity=[-swing(0.0, phase=0.0)[1], 0, 0]))
             t, far = 0.0, 0.0
 
-            for k in range(int(round(4 / H))):
+            for k in range(round(4 / H)):
                 h = H * (1 + uneven * np.sin(5.0 * k))
 
                 for end in (False, True):
@@ -207,7 +207,7 @@ def test_a_free_particle_over_a_ground_that_turns(told, order, beside):
         run = Run(mbdfmi.Scene(**table))
         far = 0.0
 
-        for k in range(int(round(3 / H))):
+        for k in range(round(3 / H)):
             for n in (k, k + 1):
                 E, w, alpha, angles = turn(n * H)
                 commands = {

@@ -117,7 +117,7 @@ def rates(instance, names, h=1e-3, values_of=named_outputs):
     d = instance.d
     x, t = d.x.copy(), d.time[0]
     x_rate = evaluate(instance)
-    found = {name: 0.0 for name in names}
+    found = dict.fromkeys(names, 0.0)
 
     for k, weight in zip((-3, -2, -1, 1, 2, 3), (-1, 9, -45, 45, -9, 1)):
         d.x[:] = x + k * h * x_rate

@@ -9,7 +9,14 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from mbdfmi.scene import (
-    Body, Marker, Revolute, Scene, SceneError, fmi_name, read_scene, write_scene,
+    Body,
+    Marker,
+    Revolute,
+    Scene,
+    SceneError,
+    fmi_name,
+    read_scene,
+    write_scene,
 )
 
 ARM = """

@@ -1,5 +1,6 @@
 """Which start values are kept, what follows from them, and what is told of those that cannot be kept."""
 
+import itertools
 import re
 from math import cos, pi, radians, sin
 
@@ -117,7 +118,7 @@ def test_a_free_joints_start_is_kept_beside_a_hinge(formulation):
 def test_starts_spread_through_a_train_of_gears(formulation):
     """From the one wheel in the middle that has a start to both ends."""
     names = "abcdef"
-    gears = {pair: {"ratio": -3.0, "offset_deg": 20} for pair in zip(names, names[1:])}
+    gears = {pair: {"ratio": -3.0, "offset_deg": 20} for pair in itertools.pairwise(names)}
     starts = dict.fromkeys(names) | {"c": {"angle": -2.5}}
     instance, y = start(wheels(starts, gears), formulation)
 

@@ -1,5 +1,7 @@
 """Tables: what stands between their points and beyond them, by closed forms, scipy's splines and the laws of each reading."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -169,7 +171,7 @@ def test_a_driven_joint_stays_between_the_points_where_it_is_told_to_stand(time,
     x = run["slide.position"]
     assert min(position) - 1e-9 < x.min() and x.max() < max(position) + 1e-9
 
-    for (a, b), (c, d) in zip(zip(time, time[1:]), zip(position, position[1:])):
+    for (a, b), (c, d) in zip(itertools.pairwise(time), itertools.pairwise(position)):
         within = (run["time"] > a + 1e-9) & (run["time"] < b - 1e-9)
 
         if c == d:

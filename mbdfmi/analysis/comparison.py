@@ -87,8 +87,10 @@ class Setting:
 class Run:
     """One stepper at one setting.
 
-    error : largest over outputs and communication points, each by the size of its output; worst : name of that output.
-    cpu : s, least of some rounds, of the steps and outputs alone. steps, rejected, evaluations (of the accelerations).
+    error : largest over outputs and communication points, each by the size of its output; worst : name of
+        that output.
+    cpu : s, least of some rounds, of the steps and outputs alone. steps, rejected, evaluations (of the
+        accelerations).
     reason : why there are no figures, or "".
     """
 
@@ -109,8 +111,8 @@ class Comparison:
     title, until, step : of the scene, s, communication step (s).
     runs : by CPU time; those without figures come last.
     own : the run with the scene's own solver, one of `runs`.
-    reference : setting of the reference run; doubt : how far it differs from one at the next looser tolerance: smaller errors
-        mean nothing.
+    reference : setting of the reference run; doubt : how far it differs from one at the next looser
+        tolerance: smaller errors mean nothing.
     compared : names of the outputs.
     """
 
@@ -174,7 +176,9 @@ class Comparison:
         return Path(path)
 
     def plot(self, path) -> Path:
-        """Write a picture: error against CPU time, a line for each stepper. Raises ImportError, ValueError as of Results."""
+        """Write a picture: error against CPU time, a line for each stepper. Raises ImportError, ValueError as
+        of Results.
+        """
         Results.check_plot(path)
         from .comparison_plot import figure_of
 
@@ -194,7 +198,8 @@ def compare_steppers(
     longest: float = LONGEST,
     progress: Callable[[float, str], None] = lambda part, text: None,
 ) -> Comparison:
-    """Run a scene with every stepper at several tolerances or steps, and see how far each is from a tight reference run.
+    """Run a scene with every stepper at several tolerances or steps, and see how far each is from a tight
+    reference run.
 
     until, step : s, as of `simulate`. inputs : numbers by name, held.
     longest : s of CPU that one run may take; what would take longer is left out, and says so.
@@ -238,7 +243,8 @@ def _settings(name, H):
 class _Trial:
     """A scene to be run with one solver after another.
 
-    times : (n,) s, communication points. outputs : its output variables; shown : places of those that are compared.
+    times : (n,) s, communication points. outputs : its output variables; shown : places of those that are
+        compared.
     """
 
     def __init__(self, scene, times, inputs, parameters, longest):
@@ -351,8 +357,9 @@ def _groups(keys):
 
 
 def _sizes(variables, reference):
-    """(n_y,) what each output's error is measured by: the largest value that it, or its array, has in the reference run; of those
-    that are zero but for rounding, beside others of their unit, a small part of the largest of these."""
+    """(n_y,) what each output's error is measured by: the largest value that it, or its array, has in the
+    reference run; of those that are zero but for rounding, beside others of their unit, a small part of the
+    largest of these."""
     largest = abs(reference).max(axis=0)
     sizes = np.empty(len(variables))
 
@@ -367,7 +374,9 @@ def _sizes(variables, reference):
 
 
 def _difference(variables, rows, reference):
-    """Rows less those of the reference, where turns of a whole and the sign of Euler parameters do not count."""
+    """Rows less those of the reference, where turns of a whole and the sign of Euler parameters do not
+    count.
+    """
     found = rows - reference
 
     for name, of in _groups(array_of(v.name) for v in variables).items():
@@ -381,7 +390,9 @@ def _difference(variables, rows, reference):
 
 
 def _reference(trial):
-    """(setting, outputs, doubt) of the tightest run that succeeds. Raises SimulationError, that of the loosest."""
+    """(setting, outputs, doubt) of the tightest run that succeeds. Raises SimulationError, that of the
+    loosest.
+    """
     setting, rows, failure = None, None, None
 
     for tolerance in REFERENCE:

@@ -16,7 +16,9 @@ SMALL = {"fontsize": "x-small", "color": "0.3"}
 
 
 def figure_of(comparison) -> Figure:
-    """Error against CPU time of all runs, a line for each stepper from loose to tight; those that no other beats are ringed."""
+    """Error against CPU time of all runs, a line for each stepper from loose to tight; those that no other
+    beats are ringed.
+    """
     figure = Figure(figsize=(9, 5.5), layout="constrained")
     ax = figure.subplots()
     ax.set_xscale("log")

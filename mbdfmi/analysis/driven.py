@@ -1,5 +1,5 @@
-"""A scene whose joints are held to a given motion: the scene without their drivers, its joints in the state, and
-whether the motion leaves just the freedoms that it may.
+"""A scene whose joints are held to a given motion: the scene without their drivers, its joints in the state,
+and whether the motion leaves just the freedoms that it may.
 """
 
 import numpy as np
@@ -211,11 +211,11 @@ def check_freedoms(mechanism, told, choose, hybrid):
         )
 
     left = freedoms - found
-    could = []
-
-    for name in mechanism.driveable(place) if left else ():
-        if taken(names, [mechanism.rates(name, place) @ place.motions]) > found:
-            could.append(name)
+    could = [
+        name
+        for name in (mechanism.driveable(place) if left else ())
+        if taken(names, [mechanism.rates(name, place) @ place.motions]) > found
+    ]
 
     if left and not hybrid and (could or not names):
         hint = f"of these could be driven too: {listed(could)}"

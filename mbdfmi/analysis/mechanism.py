@@ -1,4 +1,5 @@
-"""The constraints of a model in numbers: their velocity Jacobian, its rank, and the motions that it leaves free.
+"""The constraints of a model in numbers: their velocity Jacobian, its rank, and the motions that it leaves
+free.
 
 Ranks are those of the constraints' velocity Jacobian C (rows by velocity coordinates), made free
 of units by a length of the scene. At a singular position (a parallelogram four-bar stretched out)

@@ -1,5 +1,5 @@
-"""The motion of joints as a user gives it (columns, functions of time, parts of a run) as values, rates and second
-rates of their coordinates at given times.
+"""The motion of joints as a user gives it (columns, functions of time, parts of a run) as values, rates and
+second rates of their coordinates at given times.
 """
 
 import numpy as np
@@ -220,9 +220,9 @@ def _turning(name, given, times):
         w = columns_of(name, given["omega"], times, 3)
         alpha = columns_of(name, given["alpha"], times, 3) if "alpha" in given else _slopes(times, w)[0]
 
-        for E, w, alpha in zip(course, w, alpha):
-            E[:, 1] = 0.5 * product_of((*w, 0.0), E[:, 0])
-            E[:, 2] = 0.5 * (product_of((*alpha, 0.0), E[:, 0]) + product_of((*w, 0.0), E[:, 1]))
+        for E, turning, change in zip(course, w, alpha):
+            E[:, 1] = 0.5 * product_of((*turning, 0.0), E[:, 0])
+            E[:, 2] = 0.5 * (product_of((*change, 0.0), E[:, 0]) + product_of((*turning, 0.0), E[:, 1]))
 
     return course
 

@@ -19,7 +19,8 @@ def add_settings(command):
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="hold an input at a value, or change a parameter; an array takes its name and numbers with commas",
+        help="hold an input at a value, or change a parameter; an array takes its name and numbers with "
+        "commas",
     )
 
 

@@ -25,7 +25,8 @@ def matching(file):
 
 
 def writable(text, inputs):
-    """The path of a file to be written, looked at before work starts; `inputs` are files that stay as they are.
+    """The path of a file to be written, looked at before work starts; `inputs` are files that stay as they
+    are.
 
     Raises ValueError that says what hinders.
     """

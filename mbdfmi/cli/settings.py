@@ -6,7 +6,9 @@ from .tables import count
 
 
 def settings_of(model, settings):
-    """NAME=VALUE texts as inputs and parameters, arrays by component. Raises ValueError for what is neither."""
+    """NAME=VALUE texts as inputs and parameters, arrays by component. Raises ValueError for what is
+    neither.
+    """
     from ..compiler.variables import hint, meant
     from ..scene import variable_name
 

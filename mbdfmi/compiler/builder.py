@@ -1,5 +1,6 @@
 """What the parts of a scene are collected into while they become a model."""
 
+import itertools
 import warnings
 
 import numpy as np
@@ -299,7 +300,7 @@ class Builder:
             depends = tuple(
                 k
                 for k, (_, at, moves) in enumerate(self.inputs)
-                if k in fed_by or here & {island[i] for i in at} and (moves or kind in outputs.ACCELERATES)
+                if k in fed_by or (here & {island[i] for i in at} and (moves or kind in outputs.ACCELERATES))
             )
 
             initial = (*depends, *range(first, first + len(parameters)))
@@ -318,7 +319,7 @@ class Builder:
             return i
 
         links = [(i, node.parent) for i, node in enumerate(self.nodes)]
-        links += [pair for nodes in self.constraint_nodes for pair in zip(nodes, nodes[1:])]
+        links += [pair for nodes in self.constraint_nodes for pair in itertools.pairwise(nodes)]
 
         for i, j in links:
             if i > 0 and j > 0:

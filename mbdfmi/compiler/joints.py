@@ -103,13 +103,13 @@ def _add_start(builder, name, joint):
         if joint.driver or (joint.kind == "screw" and k == 0):
             continue
 
-        for quantity, array, at, value, unit in (
+        for quantity, array, at, value, of_unit in (
             (position, "q_start", builder.q[i], q[k], unit),
             (speed, "v_start", builder.v[i], v[k], f"{unit}/s"),
         ):
             variable = dotted(name, f"{quantity}_start") + ending
             about = f"{quantity.replace('_', ' ')} of {name} at the start"
-            builder.add_start(variable, array, at, value, unit, about, i)
+            builder.add_start(variable, array, at, value, of_unit, about, i)
 
 
 def _add_pose_start(builder, name, joint, i, q, v):

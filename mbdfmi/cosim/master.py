@@ -1,5 +1,6 @@
 """A master for FMUs (FMI 2.0, co-simulation) with constant communication steps, on fmpy."""
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -69,7 +70,7 @@ def couple(
             slave.fetch()
 
         rows = [np.concatenate([slave.values for slave in order])]
-        for start, end in zip(times, times[1:]):
+        for start, end in itertools.pairwise(times):
             for slave in order:
                 slave.past = slave.values
             for i, slave in enumerate(order):

@@ -1,8 +1,10 @@
-"""The inputs of an in-process run over time: numbers, arrays of one value a communication point, functions of time.
+"""The inputs of an in-process run over time: numbers, arrays of one value a communication point, functions of
+time.
 
-Between communication points numbers and arrays are held. Functions are followed: over a communication step, or over parts of
-it, by polynomials of degree 5 through their values, as close as the solver's tolerance asks; jumps and corners are found by
-bisection, and the parts end there. A function that is not smooth over any part of a step is held, which is told.
+Between communication points numbers and arrays are held. Functions are followed: over a communication step,
+or over parts of it, by polynomials of degree 5 through their values, as close as the solver's tolerance asks;
+jumps and corners are found by bisection, and the parts end there. A function that is not smooth over any part
+of a step is held, which is told.
 """
 
 import math
@@ -27,8 +29,8 @@ ROUNDING = 1e-13
 # a misfit up to this that both halves of a part have too is the rounding of the function itself
 ROUGHNESS = 1e-6
 
-# how the next part is tried longer than the last; to what part of a communication step a jump is located; how many
-# of them there may be, one at the start of a part counting for several
+# how the next part is tried longer than the last; to what part of a communication step a jump is located; how
+# many of them there may be, one at the start of a part counting for several
 GROWTH = 4.0
 SHARP = 1e-9
 MOST_JUMPS = 200
@@ -38,7 +40,8 @@ AT_ONCE = 20
 class Inputs:
     """The inputs of a run over its communication points `times` (s).
 
-    given : by name, as of `simulate`. tolerance : the solver's, relative. notices : what a user should be told.
+    given : by name, as of `simulate`. tolerance : the solver's, relative. notices : what a user should be
+        told.
     positions : of the inputs in u that functions give.
 
     Raises KeyError for unknown names, ValueError for values that do not fit.
@@ -80,8 +83,8 @@ class Inputs:
     def parts(self, k, length):
         """What functions do from communication point k on for `length` (s).
 
-        Returns parts of that as (length (s), values and derivatives of orders 1 to 5 at the start (6, n)), in the order of
-        `positions`. From the last point on nothing is known: the last part's polynomial goes on.
+        Returns parts of that as (length (s), values and derivatives of orders 1 to 5 at the start (6, n)), in
+        the order of `positions`. From the last point on nothing is known: the last part's polynomial goes on.
         """
         if not self.positions:
             return [(length, np.zeros((N_DERIVATIVE, 0)))]
@@ -115,7 +118,9 @@ class Inputs:
         return np.vstack([self._at(t), np.zeros((N_DERIVATIVE - 1, len(self.positions)))])
 
     def _fit(self, a, b):
-        """(derivatives at a (6, n), misfit of each function, relative) of polynomials over a part from a to b (s)."""
+        """(derivatives at a (6, n), misfit of each function, relative) of polynomials over a part from a to b
+        (s).
+        """
         values = np.array([self._at(t) for t in (a, *(a + NODES[1:-1] * (b - a)), b)])
         there = np.array([self._at(t) for t in a + BETWEEN * (b - a)])
         size = np.zeros(len(self._functions))
@@ -136,7 +141,9 @@ class Inputs:
         return np.all(misfit <= self._allowed)
 
     def _split(self, a, b):
-        """Parts (start, end, derivatives at the start) of a to b (s); None when a function turned out not to be smooth."""
+        """Parts (start, end, derivatives at the start) of a to b (s); None when a function turned out not to
+        be smooth.
+        """
         self._start = a
         sharp = max(SHARP * (b - a), 8 * np.spacing(abs(b)))
         parts, jumps = [], np.zeros(len(self._functions))
@@ -172,7 +179,9 @@ class Inputs:
         return parts
 
     def _narrow(self, low, high, misfit, sharp):
-        """By bisection: (low, high, functions that jump between them, or None where halves of that will do)."""
+        """By bisection: (low, high, functions that jump between them, or None where halves of that will
+        do).
+        """
         while high - low > sharp:
             middle = 0.5 * (low + high)
             left, right = self._fit(low, middle)[1], self._fit(middle, high)[1]
@@ -197,8 +206,8 @@ class Inputs:
         for k in np.flatnonzero(which & self._smooth):
             self._smooth[k] = False
             self.notices.append(
-                f"input {self._functions[k].name!r} is not smooth between communication points: it is held there from "
-                f"{self._start:.9g} s on"
+                f"input {self._functions[k].name!r} is not smooth between communication points: it is held "
+                f"there from {self._start:.9g} s on"
             )
 
 
@@ -251,7 +260,9 @@ def _held(name, given, size, times):
 
 
 def known(name, names, what):
-    """Those of the names that a name means, of an array all elements; KeyError with a hint where there is none."""
+    """Those of the names that a name means, of an array all elements; KeyError with a hint where there is
+    none.
+    """
     if found := meant(name, names):
         return found
 
@@ -259,7 +270,9 @@ def known(name, names, what):
 
 
 def numbers(given, what, shape=None, finite=True):
-    """The numbers given, as an array. Raises ValueError; `what` says of what, `shape` is the only one that will do."""
+    """The numbers given, as an array. Raises ValueError; `what` says of what, `shape` is the only one that
+    will do.
+    """
     try:
         values = np.asarray(given)
     except ValueError:

@@ -28,8 +28,8 @@ class Instance:
 
     m, d : the kernels' views of it; u : inputs (n_u,), then their derivatives of order 1 to 5 at the
     start of a step, which last one step; y : outputs (n_y,) after
-    `outputs`. notices : what a user should be told: of the scene, of its start, and, with the time, of the run. The run begins
-    with the inputs' start values, or with `inputs` (position in u -> value).
+    `outputs`. notices : what a user should be told: of the scene, of its start, and, with the time, of the
+    run. The run begins with the inputs' start values, or with `inputs` (position in u -> value).
     """
 
     def __init__(
@@ -64,7 +64,9 @@ class Instance:
         self._check(status, told)
 
     def prepare(self):
-        """To be called after `reals` was changed; values that stand already change nothing. Raises SimulationError."""
+        """To be called after `reals` was changed; values that stand already change nothing. Raises
+        SimulationError.
+        """
         if self._prepared != self.reals.tobytes():
             self._prepared = None
             self._check(entry.prepare(self.m, self.d))

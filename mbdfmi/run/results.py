@@ -18,8 +18,8 @@ class Results(Mapping):
     """Columns (numpy arrays, one value a row) by variable name; "time" (s) comes first.
 
     units : unit of each column by name, None for those without.
-    notices : what a user should be told: what is odd in the scene, what of its start could not be kept, and, with times, what
-        happened in the run, as that the motion became stiff.
+    notices : what a user should be told: what is odd in the scene, what of its start could not be kept, and,
+        with times, what happened in the run, as that the motion became stiff.
     """
 
     def __init__(
@@ -37,7 +37,8 @@ class Results(Mapping):
     def __getitem__(self, name):
         """A column; an array variable's name without index gives all its components, [row, component].
 
-        Names may be those of an FMU, or written with the scene's names as they are: results["Flügel 1.angle"].
+        Names may be those of an FMU, or written with the scene's names as they are:
+        results["Flügel 1.angle"].
         """
         if name in self._columns:
             return self._columns[name]
@@ -63,8 +64,8 @@ class Results(Mapping):
 
     @classmethod
     def from_csv(cls, path) -> "Results":
-        """The columns of a CSV file by name, in SI units, as `to_csv` or a user wrote them; its first row holds names,
-        "shoulder.angle" or "shoulder.angle [deg]".
+        """The columns of a CSV file by name, in SI units, as `to_csv` or a user wrote them; its first row
+        holds names, "shoulder.angle" or "shoulder.angle [deg]".
 
         Raises ValueError with the file's name, row and column.
         """
@@ -96,7 +97,8 @@ class Results(Mapping):
         return cls(columns, units, str(path))
 
     def to_csv(self, path) -> Path:
-        """Write all columns, every digit kept, with a row of names "variable [unit]" on top; "-" is the standard output.
+        """Write all columns, every digit kept, with a row of names "variable [unit]" on top; "-" is the
+        standard output.
 
         Raises ValueError for a file's ending that promises another format.
         """

@@ -23,15 +23,16 @@ def simulate(
     """Run a model in process from start_time to `until` (s).
 
     step : communication step (s), by default a 500th of the run, at whose ends results are kept.
-    inputs : by variable name, as in an FMU or with the scene's names as they are: a number, an array of one value for each
-        communication point, held until the next, or a function of time (s) alone, which is followed between communication
-        points too, jumps and corners included (a pulse shorter than a tenth of a step may be missed). The name of an array
-        variable without index takes as many of these as it has elements, or a function that returns them.
+    inputs : by variable name, as in an FMU or with the scene's names as they are: a number, an array of one
+        value for each communication point, held until the next, or a function of time (s) alone, which is
+        followed between communication points too, jumps and corners included (a pulse shorter than a tenth of
+        a step may be missed). The name of an array variable without index takes as many of these as it has
+        elements, or a function that returns them.
     parameters : values other than the scene's, by variable name; of an array without index all its elements.
     progress : called with the time reached (s) after each communication step.
 
-    Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the motion cannot go on, KeyError for unknown
-    names, ValueError for times or arrays that do not fit.
+    Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the
+    motion cannot go on, KeyError for unknown names, ValueError for times or arrays that do not fit.
     """
     start_time = float(numbers(start_time, "start_time", ()))
     times, steps = communication_points(start_time, until, step)

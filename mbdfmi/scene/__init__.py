@@ -2,14 +2,28 @@
 
 from .bodies import Body, Ground, GroundMarker, Marker
 from .constraints import (
-    Distance, KnifeEdge, PointOnLine, PointOnPlane, RollingDisk, RollingSphere,
+    Distance,
+    KnifeEdge,
+    PointOnLine,
+    PointOnPlane,
+    RollingDisk,
+    RollingSphere,
 )
 from .contacts import CurveOnCurve, PointOnCurve, PointOnSurface
 from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
-    Cylindrical, Fixed, Free, Joint, Planar, Prismatic, Revolute, Screw, Spherical, Translation,
+    Cylindrical,
+    Fixed,
+    Free,
+    Joint,
+    Planar,
+    Prismatic,
+    Revolute,
+    Screw,
+    Spherical,
+    Translation,
     Universal,
 )
 from .measures import Measure

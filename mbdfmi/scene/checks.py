@@ -11,7 +11,13 @@ from .constraints import CONSTRAINTS
 from .contacts import CONTACTS
 from .couplings import COUPLINGS, CouplingBase
 from .errors import (
-    NAMED_TABLES, Problem, did_you_mean, key_text, listed, place_text, quoted,
+    NAMED_TABLES,
+    Problem,
+    did_you_mean,
+    key_text,
+    listed,
+    place_text,
+    quoted,
 )
 from .names import FRAMES, fmi_name
 

@@ -1,5 +1,6 @@
 """Curves on markers, each by a parameter s, in the marker's axes."""
 
+import itertools
 from math import dist
 from typing import Annotated, ClassVar
 
@@ -9,7 +10,6 @@ from pydantic import BeforeValidator, Field, model_validator
 from .errors import show
 from .fields import Boolean, Empty, NotZero, Part, Positive, array, by_key
 from .tables import Ascending
-
 
 # Points closer than this part of the curve's length are the same.
 SAME = 1e-9
@@ -99,7 +99,7 @@ def _points(value):
         raise ValueError(f"needs at least 2 {what}, found {len(value)}")
 
     points = array(value, (len(value), 3), (len(value), 2), what="a list of " + what)
-    chords = [dist(*pair) for pair in zip(points, points[1:])]
+    chords = [dist(*pair) for pair in itertools.pairwise(points)]
     for i, chord in enumerate(chords):
         if chord <= SAME * sum(chords):
             raise ValueError(f"[{i + 2}] is the same point as [{i + 1}], {show(points[i])}")
@@ -145,7 +145,7 @@ class SplineOptions(Part):
 
         if self.s is not None:
             return points, np.array(self.s)
-        chords = [dist(*pair) for pair in zip(points, points[1:])]
+        chords = [dist(*pair) for pair in itertools.pairwise(points)]
         return points, np.concatenate([[0.0], np.cumsum(chords)])
 
 

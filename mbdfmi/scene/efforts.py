@@ -8,10 +8,15 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from .errors import show
 from .fields import AllOrSome, Array, Flag, NotNegative, Number, Part, Positive, as_given, in_si
 from .tables import (
-    AngleOverTime, AngularSpeedOverTime, EffortOverAngle, EffortOverPosition, PositionOverTime, Some, SpeedOverTime,
+    AngleOverTime,
+    AngularSpeedOverTime,
+    EffortOverAngle,
+    EffortOverPosition,
+    PositionOverTime,
+    Some,
+    SpeedOverTime,
     ascending,
 )
-
 
 # springs
 

@@ -4,8 +4,15 @@ import math
 from typing import Annotated, ClassVar, Union, get_args
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Tag, ValidationError
-from pydantic import model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Tag,
+    ValidationError,
+    model_validator,
+)
 
 from ..vectors import dot, norm
 from .errors import SceneError, did_you_mean, listed, show
@@ -263,6 +270,8 @@ def as_given(part, key):
         if value is not None:
             return f"{value:g} {unit[1:]}".strip()
 
+    return None
+
 
 # tables
 
@@ -336,7 +345,7 @@ def by_key(what, *classes):
             return TAG + value.kind
         return TAG + next(key for key in value if key in kinds)
 
-    union = Union[tuple(Annotated[cls, Tag(TAG + cls.kind)] for cls in classes)]
+    union = Union[tuple(Annotated[cls, Tag(TAG + cls.kind)] for cls in classes)]  # noqa: UP007, of as many as there are
     return Annotated[union, Discriminator(tag), BeforeValidator(check)]
 
 

@@ -8,7 +8,16 @@ from pydantic import AfterValidator, Field, model_validator
 from .ends import BETWEEN, Between, End, stands_still
 from .errors import show
 from .fields import (
-    Array, Matrix6, NotNegative, OneOf, Part, SomeOf, Vector, Vector6, by_key, number_or,
+    Array,
+    Matrix6,
+    NotNegative,
+    OneOf,
+    Part,
+    SomeOf,
+    Vector,
+    Vector6,
+    by_key,
+    number_or,
 )
 from .tables import Ascending, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
 

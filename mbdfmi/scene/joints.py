@@ -8,20 +8,41 @@ from pydantic import BeforeValidator, Field, model_validator
 from .constraints import CONSTRAINTS
 from .contacts import CONTACTS
 from .efforts import (
-    AngularDriver, AngularSpring, AngularStop, Friction, LinearDriver, LinearSpring, LinearStop,
+    AngularDriver,
+    AngularSpring,
+    AngularStop,
+    Friction,
+    LinearDriver,
+    LinearSpring,
+    LinearStop,
 )
 from .errors import listed, show
 from .fields import (
-    Axis, Empty, NotNegative, NotZero, Part, SomeOf, axis, by_key, number_or, plane_axes,
+    Axis,
+    Empty,
+    NotNegative,
+    NotZero,
+    Part,
+    SomeOf,
+    axis,
+    by_key,
+    number_or,
+    plane_axes,
     unit_vector,
 )
 from .joint_base import REACTIONS, AxisOptions, JointBase, NormalOptions, Plain
 from .starts import (
-    CylindricalStart, FreeStart, PlanarStart, PrismaticStart, RevoluteStart, ScrewStart,
-    SphericalStart, TranslationStart, UniversalStart,
+    CylindricalStart,
+    FreeStart,
+    PlanarStart,
+    PrismaticStart,
+    RevoluteStart,
+    ScrewStart,
+    SphericalStart,
+    TranslationStart,
+    UniversalStart,
 )
 from .tables import EffortDamper
-
 
 # Efforts along the joint's coordinate on its second marker, N or N m, each of one of the joint's keys.
 EFFORTS = {

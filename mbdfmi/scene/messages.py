@@ -18,10 +18,9 @@ def problems_of(error, cls, data):
 
         path, value = _path(found["loc"], data), found["input"]
         text = _text(found, cls)
-        if len(path) == 2 == len(found["loc"]) and path[0] in NAMED_TABLES:
-            if not isinstance(value, dict):
-                # a key right below [body]
-                text = f"needs a table of its own, [{path[0]}.NAME]; found {show(value)}"
+        if len(path) == 2 == len(found["loc"]) and path[0] in NAMED_TABLES and not isinstance(value, dict):
+            # a key right below [body]
+            text = f"needs a table of its own, [{path[0]}.NAME]; found {show(value)}"
         problems.append(Problem(path, text))
     return problems
 

@@ -6,11 +6,21 @@ import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 from scipy.spatial.transform import Rotation as SpatialRotation
 
+from .errors import listed, quoted
 from .fields import (
-    AllOrSome, Axis, Boolean, NotZero, Number, Part, Positive, Vector, by_key, in_si, plane_axes,
+    AllOrSome,
+    Axis,
+    Boolean,
+    NotZero,
+    Number,
+    Part,
+    Positive,
+    Vector,
+    by_key,
+    in_si,
+    plane_axes,
     unit_vector,
 )
-from .errors import listed, quoted
 from .orientation import unit_euler_parameters
 from .tables import Ascending, MotionReading, Rows, Table, Vectors
 

@@ -182,7 +182,7 @@ def _scene_size(scene):
         lengths.append(hypot(*_numbers(getattr(getattr(joint, "start", None), "position", 0.0))))
         lengths.append(getattr(joint.options, "radius", None) or 0.0)
 
-    for _, force in scene.force.items():
+    for force in scene.force.values():
         lengths.append(getattr(getattr(force, force.kind), "rest_length", None) or 0.0)
 
     return max(lengths, default=0.0)

@@ -16,7 +16,6 @@ from .names import Name, Text, Title
 from .notices import notices
 from .writer import toml_text
 
-
 OUTPUTS = (
     "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
     "input_power", "load_power", "driver_power", "dissipated_power",

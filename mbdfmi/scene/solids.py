@@ -11,7 +11,6 @@ from .errors import show
 from .fields import SMALLEST, Array, Axis, NotNegative, Part, Positive, by_key, unit_vector
 from .orientation import Placed
 
-
 # shapes, each in its own axes about its centre
 
 class Shape(Part):

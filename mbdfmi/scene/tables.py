@@ -1,5 +1,6 @@
 """Tables: quantities given at points, between which they are interpolated (compiler/interpolation.py)."""
 
+import itertools
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -26,7 +27,7 @@ def Rows(width, what, least=2):
 
 
 def ascending(values):
-    for i, (before, after) in enumerate(zip(values, values[1:]), 2):
+    for i, (before, after) in enumerate(itertools.pairwise(values), 2):
         if not before < after:
             raise ValueError(f"must ascend, but [{i}] is {show(after)} after {show(before)}")
     return values

@@ -1,9 +1,8 @@
 """Wind on the rotor, as an FMU of its own: `pythonfmu build -f rotor.py blade_element.py`."""
 import numpy as np
+from blade_element import RADIUS, rotor_coefficients
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 from scipy.interpolate import RectBivariateSpline
-
-from blade_element import RADIUS, rotor_coefficients
 
 AIR_DENSITY = 1.225                             # kg/m3
 TIP_SPEED_RATIO = np.linspace(1.0, 14.0, 53)

@@ -9,18 +9,18 @@ from math import cos, pi, sin
 from pathlib import Path
 
 import numpy as np
-from pythonfmu.builder import FmuBuilder
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from scipy.optimize import brentq
-
-import mbdfmi
 from blade_element import RADIUS, rotor_coefficients
 from controller import GEAR, OPTIMAL_FROM, REFERENCE, generator_torque
 from derive import rest
+from pythonfmu.builder import FmuBuilder
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rotor import AIR_DENSITY
+from scipy.optimize import brentq
+
+import mbdfmi
 from mbdfmi.cosim import CouplingError, couple
 from mbdfmi.files import replacing
-from rotor import AIR_DENSITY
 
 HERE = Path(__file__).resolve().parent
 SCENE = HERE / "floating_wind_turbine.toml"

@@ -1,8 +1,7 @@
 """An irregular sea and its loads on the barge, as an FMU of its own: `pythonfmu build -f sea.py`."""
 import numpy as np
-from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
-
 from excitation import cylinder_excitation
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 RADIUS = np.sqrt(40.0 * 40.0 / np.pi)           # m, of the barge's waterplane
 DRAUGHT, DEPTH = 4.0, 150.0                     # m

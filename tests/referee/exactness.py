@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbdfmi.scene import SceneError, fmi_name
 from mbdfmi.run.instance import SimulationError
+from mbdfmi.scene import SceneError, fmi_name
 
 from .compare import groups
 from .plan import order_of, pieces

@@ -53,7 +53,7 @@ FOCUS = {
     "starts": {"loops": (1, 2), "couplings": (0, 2), "starts": STARTS | {"fit": 1, "off": 3, "part": 6}},
     "between steps": {"stop": 0.7, "damper": 0.7, "friction": 0.3, "planar": 0.3},
     "loops": {"loops": (1, 3), "planar": 0.5, "off axis": 0.4},
-    "contacts": {"loops": (1, 2), "cuts": {k: 1 for k in kinds.CONSTRAINTS}, "family": "loose"},
+    "contacts": {"loops": (1, 2), "cuts": dict.fromkeys(kinds.CONSTRAINTS, 1), "family": "loose"},
     "commands": {"driver": 0.6, "drivers": {"input": 1}, "ground": 0.6, "grounds": {"input": 3, "table": 1}},
     "drivers": {"driver": 0.6},
     "friction": {"friction": 0.8},

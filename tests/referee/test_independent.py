@@ -26,7 +26,7 @@ def inputs_of(instance, seed, jumps=False):
     rng = np.random.default_rng(seed)
 
     for v in instance.model.of_causality("input"):
-        if jumps or not v.name.startswith("ground.") and not v.name.endswith("_command"):
+        if jumps or (not v.name.startswith("ground.") and not v.name.endswith("_command")):
             instance.u[v.index] = rng.normal()
 
     return named(instance.model.of_causality("input"), instance.u)

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError
 

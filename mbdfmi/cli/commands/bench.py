@@ -173,8 +173,8 @@ def _choices(found):
 
     if found.doubt > DOUBTFUL:
         yield (
-            f"the reference itself is uncertain by {_short(found.doubt)}: the motion magnifies small errors, or jumps; "
-            "a shorter --until tells more"
+            f"the reference itself is uncertain by {_short(found.doubt)}: the motion magnifies small errors, "
+            "or jumps; a shorter --until tells more"
         )
 
     for error in TARGETS:

@@ -29,7 +29,8 @@ some minutes; later ones take a second.""",
         "-o",
         "--output",
         metavar="PATH",
-        help="the FMU when it ends in .fmu, - for the standard output, else a folder (default: <scene's name>.fmu here)",
+        help="the FMU when it ends in .fmu, - for the standard output, else a folder "
+        "(default: <scene's name>.fmu here)",
     )
     command.add_argument(
         "--platform",
@@ -76,7 +77,7 @@ def run(options):
                 )
 
             with doing(f"{file}: exporting") as tell:
-                scene.export(path, platforms, progress=lambda text: tell(f"{file}: {text}"))
+                scene.export(path, platforms, progress=_about(file, tell))
 
             written[path] = file
             size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""
@@ -89,3 +90,8 @@ def run(options):
 
     if failures:
         raise ValueError("\n".join(failures))
+
+
+def _about(file, tell):
+    """`tell`, with the file's name before what is told."""
+    return lambda text: tell(f"{file}: {text}")

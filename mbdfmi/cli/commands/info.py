@@ -108,8 +108,9 @@ def _print_structure(found):
     """Where the degrees of freedom come from, and what is not determined."""
     if found.equations or found.driven:
         out.print(
-            f"\n{count(found.coordinates, 'joint coordinate')} less {count(found.rank, 'independent equation')} "
-            f"(of {found.equations}): {count(found.freedom, 'degree')} of freedom"
+            f"\n{count(found.coordinates, 'joint coordinate')} less "
+            f"{count(found.rank, 'independent equation')} (of {found.equations}): "
+            f"{count(found.freedom, 'degree')} of freedom"
         )
 
     if found.freedom_at_start > found.freedom:

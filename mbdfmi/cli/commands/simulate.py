@@ -32,8 +32,8 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
         "--step",
         type=float,
         metavar="H",
-        help="communication step, s (default: T/500): how often results are kept; the solver's own steps are finer "
-        "where they need to be",
+        help="communication step, s (default: T/500): how often results are kept; the solver's own steps are "
+        "finer where they need to be",
     )
     add_result_files(command, "all inputs and outputs")
     add_settings(command)
@@ -48,7 +48,8 @@ def run(options):
 
     if options.step and abs(options.until / options.step) > MOST_POINTS:
         raise ValueError(
-            f"--step {options.step:g}: more than {MOST_POINTS:,} communication points up to {options.until:g} s"
+            f"--step {options.step:g}: more than {MOST_POINTS:,} communication points up to "
+            f"{options.until:g} s"
         )
 
     with time_bar(options.until) as progress:

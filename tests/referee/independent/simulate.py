@@ -1,5 +1,7 @@
 """A run of a system by scipy, with the motion led back onto the constraints at each communication point."""
 
+import itertools
+
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
@@ -20,7 +22,7 @@ def run(system, times, motions, inputs=None, hints=None):
     told = [motions]
     x = course.pack(motions)
 
-    for begin, end in zip(times, times[1:]):
+    for begin, end in itertools.pairwise(times):
         course.look(begin, x)
         found = solve_ivp(course.rates, (begin, end), x, method="DOP853", rtol=TOLERANCE, atol=1e-12)
 

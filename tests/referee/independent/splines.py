@@ -6,6 +6,8 @@ the package's own description, worked out anew: dense equations for the slopes a
 points, in place of banded ones.
 """
 
+import itertools
+
 import numpy as np
 from scipy.interpolate import PPoly
 
@@ -172,7 +174,7 @@ def peaks(x, y):
         return np.zeros(len(x) - 1)
 
     second = 2 * divided(x, y, 2)
-    alike = [np.sign(a) * min(abs(a), abs(b)) if a * b > 0 else 0.0 for a, b in zip(second, second[1:])]
+    alike = [np.sign(a) * min(abs(a), abs(b)) if a * b > 0 else 0.0 for a, b in itertools.pairwise(second)]
     return PEAK * np.array([alike[0], *alike, alike[-1]]) * np.diff(x) ** 2 / 8
 
 
