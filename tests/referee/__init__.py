@@ -8,7 +8,8 @@ scene by itself, or breaks a law.
     generator, coverage, shrink     scenes over the whole schema, what of it they use, and the smallest scene
     that still fails plan                            what is done to a scene: inputs over time, parameters set
     in mid-run, communication points ways                            how it is run: formulation, stepper,
-    tolerance, steps, process or FMU, snapshots, reset compare, laws, starts, dependence    the verdicts
+    tolerance, steps, process or FMU, snapshots, reset compare, laws, starts, commands, dependence    the verdicts
+    masters, files                  what masters must not do, and what users do with files
     independent                     the second route, which shares nothing with the product __main__
     python -m tests.referee --seed 1 --scenes 100
 

@@ -52,6 +52,9 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
         (replace(near[which], memory=str(rng.choice(["restore", "serialise", "reset", "second"]))), which)
     )
 
+    rarely = dice(seed, "rarely")
+    bits.append((replace(near[0], memory=str(rarely.choice(["teased", "untouched"]))), 0))
+
     if not INTERPRETED and interpreted:
         which = int(rng.integers(n))
         most = INTERPRETED_EVALUATIONS // (bodies * (5 if near[which].formulation == "augmented" else 1))
@@ -60,7 +63,7 @@ def draw(seed, plan, n=3, fmu=True, interpreted=True, bodies=1):
 
     equal = np.ptp(np.diff(plan.points)) < 1e-9 * plan.until
 
-    if equal and not plan.settings and not plan.bound and rng.random() < 0.3:
+    if equal and plan.steady and not plan.bound and rng.random() < 0.3:
         near.append(Way(host="simulate", tolerance=1e-7, integrator="auto"))
 
     patterns = tuple(dict.fromkeys(way.pattern for way in near))

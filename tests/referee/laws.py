@@ -26,6 +26,10 @@ AT_LEAST = 20000
 GAP = 1e-7
 UNIT = 1e-12
 
+# coordinates of joints -> their speeds; how far a coordinate and the integral of its speed may part, of the largest value
+SPEEDS = {"angle": ("speed", "angular_speed"), "position": ("speed",), "angles": ("speeds",), "s": ("s_rate",)}
+COURSE = 1e-7
+
 
 def always(run, data):
     """Findings in a run by itself."""
@@ -34,6 +38,8 @@ def always(run, data):
 
     if run.crashed:
         found.append(Finding("crash", name, text=run.crashed.strip()))
+
+    found += [Finding("odd", name, text=text) for text in run.odd]
 
     if run.refused is not None or run.stopped is not None:
         found += told_why(run)
@@ -168,6 +174,37 @@ def energy(integrals, reference, count):
     parts = [i.get(name) for name in ("kinetic_energy", "gravity_energy", "spring_energy")]
     size = sum(np.abs(part).max() for part in parts) + np.abs(work).max()
     return _balance("energy", "total_energy", i, work, error, size, reference, count)
+
+
+def courses(integrals, count):
+    """Coordinates of joints change by the integrals of their speeds, over full turns too."""
+    i, found = integrals, []
+
+    for name, columns in i.columns.items():
+        owner, _, quantity = name.rpartition(".")
+        rates = [f"{owner}.{rate}" for rate in SPEEDS.get(quantity, ()) if f"{owner}.{rate}" in i.columns]
+
+        if len(rates) != 1 or len(i.columns[rates[0]]) != len(columns):
+            continue
+
+        change, (way, error) = i.change(name), i.of(i.get(rates[0]))
+        size = 1.0 + np.abs(i.get(name)).max() + np.abs(way).max()
+
+        for k in range(len(change)):
+            allowed = 2.0 * error[k].max() + COURSE * size
+            off = np.abs(change[k] - way[k])
+            c = int(off.argmax())
+
+            if allowed <= LOOSE * size and not i.is_broken(k):
+                count.made += 1
+
+                if off[c] > allowed:
+                    text = "change over the interval that ends there, and the integral of its speed"
+                    at = i.run.times[i.ends[k]]
+                    found.append(Finding("course", str(i.run.way), name, at, change[k][c], way[k][c], allowed, text))
+                    break
+
+    return found
 
 
 def momentum(integrals, reference, count, mass, gravity):

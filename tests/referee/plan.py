@@ -9,7 +9,7 @@ commands of a motion are one smooth function, its speed and its acceleration.
 import math
 import re
 import zlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -97,7 +97,7 @@ class Plan:
 
     points : s, communication points that all ways share, the first is the start.
     signals : input variable -> `Signal`.
-    settings : shared point -> {parameter: value}, set there.
+    settings : shared point -> {parameter: value}, set there. steady : these are the values that stand anyway.
     bound : the motion depends on the communication points themselves (commands without derivatives):
     all ways share one pattern.
     """
@@ -106,6 +106,7 @@ class Plan:
     signals: dict[str, Signal]
     settings: dict[int, dict[str, float]] = field(default_factory=dict)
     bound: bool = False
+    steady: bool = True
 
     @property
     def until(self):
@@ -115,6 +116,17 @@ class Plan:
     def inputs(self, t, piece):
         """Values and derivatives (6, n) of the inputs, in their order, at t (s)."""
         return np.array([signal.at(t, piece) for signal in self.signals.values()]).reshape(-1, N_DERIVATIVE).T
+
+    def under(self, signals):
+        """The plan with other inputs, name -> coefficients of the powers of time, whose derivatives are not told."""
+        if not signals:
+            return self
+
+        others = {
+            name: Signal(self.points[:1], np.pad(np.atleast_2d(c), ((0, 0), (0, N_DERIVATIVE - len(c)))), False)
+            for name, c in signals.items()
+        }
+        return replace(self, signals=self.signals | others, bound=True)
 
     def values(self, t, piece):
         """Input variable -> (value, derivatives of order 1 to 5)."""
@@ -137,7 +149,10 @@ def draw(seed, model, until=None):
     # of Euler parameters alone five derivatives are not all
     told = {v.name.partition("[")[0] for v in inputs}
     bound = bare or ("ground.euler_parameters" in told and "ground.omega" not in told)
-    return Plan(points, signals, _settings(seed, model, points), bound)
+    settings = _settings(seed, model, points)
+    starts = {v.name: v.start for v in model.of_causality("parameter")}
+    steady = all(value == starts[name] for own in settings.values() for name, value in own.items())
+    return Plan(points, signals, settings, bound, steady)
 
 
 def order_of(name):

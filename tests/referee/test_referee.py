@@ -1,5 +1,6 @@
 """Random scenes before the referee, and each verdict shown to be able to fail."""
 
+import os
 import re
 from dataclasses import replace
 from types import SimpleNamespace
@@ -13,7 +14,7 @@ from mbdfmi.kernels.language import INTERPRETED
 from mbdfmi.run.instance import Instance
 from mbdfmi.scene import Scene
 
-from . import compare, dependence, draws, laws, mended, route, starts
+from . import commands, compare, dependence, draws, files, laws, masters, mended, route, starts
 from . import plan as plans
 from .__main__ import main
 from .exactness import Exactness
@@ -94,15 +95,17 @@ def test_random_scenes_stand(seed, interpreter):
 
 @pytest.mark.parametrize("path", mended.CORPUS, ids=lambda path: path.stem)
 def test_what_was_mended_stays_so(path):
-    """A mending that is undone is found here, or by what `mended.ELSEWHERE` tells."""
+    """A mending that is undone is found here, or by the tests in `mended.BESIDE`."""
     data, wanted = mended.read(path)
     assert mended.findings(data, wanted, lambda *arguments, **more: judge(*arguments, n=2, **more)) == []
 
 
 def test_every_mending_is_watched():
     watched = {name for path in mended.CORPUS for name in mended.read(path)[1]["undone"]}
-    assert watched | set(mended.ELSEWHERE) == {undone.name for undone in UNDONE}
-    assert not watched & set(mended.ELSEWHERE)
+    beside, elsewhere = set(mended.BESIDE), set(mended.ELSEWHERE)
+    assert watched | beside | elsewhere == {undone.name for undone in UNDONE}
+    assert not watched & beside and not watched & elsewhere and not beside & elsewhere
+    assert set(mended.BESIDE.values()) <= set(globals())
 
 
 @pytest.mark.parametrize(
@@ -113,7 +116,7 @@ def test_every_mending_is_watched():
     ],
 )  # fmt: skip
 def test_what_must_come_of_a_scene(change, verdict):
-    def judged(data, seed, until):
+    def judged(data, seed, until, signals):
         return Verdict(seed, told=["it is odd"], first={"x": 1.0})
 
     wanted = {"seed": 1, "until": 1.0, "told": ["odd$"], "untold": ["even"], "start": {"x": 1.0}}
@@ -158,7 +161,7 @@ def test_one_value_that_is_off(good, reference, name, row):
     assert compare.near(reference, broken(good, name, row, lambda x: np.nan), Count())
 
 
-@pytest.mark.parametrize("memory", ["restore", "serialise", "reset", "second"])
+@pytest.mark.parametrize("memory", ["restore", "serialise", "reset", "second", "teased"])
 def test_one_bit_that_is_off(good, plan, memory):
     other = run(DATA, plan, replace(good.way, memory=memory))
     assert compare.same(other, good, "") == []
@@ -237,6 +240,12 @@ def test_energy_and_momentum(fine, reference, plan):
     assert balances(swapped) == ["total_energy"]
 
 
+def test_a_coordinate_that_loses_a_turn(fine):
+    assert laws.courses(laws.Integrals(fine), Count()) == []
+    lost = broken(fine, "slide.position", -1, lambda x: x + 2 * np.pi)
+    assert [finding.variable for finding in laws.courses(laws.Integrals(lost), Count())] == ["slide.position"]
+
+
 # starts, notices, files
 
 
@@ -282,6 +291,76 @@ def test_a_scene_that_is_not_written_as_it_is(monkeypatch):
     whole = Scene.to_toml
     monkeypatch.setattr(Scene, "to_toml", lambda scene: whole(scene).replace("damper", "# damper"))
     assert len(starts.written(DATA)) == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links and pipes of Unix")
+def test_what_users_do_with_files(tmp_path):
+    assert files.used(Scene.model_validate(DATA | {"output": ["total_energy"]}), tmp_path) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links and pipes of Unix")
+@pytest.mark.parametrize("status", [0, 1])
+def test_commands_that_treat_files_otherwise(tmp_path, monkeypatch, status):
+    """That do nothing, or write nothing but promise to."""
+    monkeypatch.setattr(files, "main", lambda arguments: status)
+    monkeypatch.setattr(files, "WAITS", 0.01)
+    (tmp_path / "table.csv").write_text("time\n0\n")
+    text = " ".join(finding.text for finding in files.used(Scene.model_validate(DATA), tmp_path))
+    words = ("number of lines", "arm.xml") + (("written over", "table.png", "link points", "out of a pipe") if status == 0 else ("into a pipe",))
+    assert all(word in text for word in words)
+
+
+# a master that misbehaves
+
+
+@pytest.mark.parametrize(
+    "method, change, words",
+    [
+        ("step", lambda whole: lambda self, H: None, ["a step of -0.001 s is taken"]),
+        ("prepare", lambda whole: lambda self: None, ["solver.tolerance = 0.5 is taken", "sledge.com[1] = 1e+200 is taken"]),
+        ("outputs", lambda whole: lambda self: 1.0 * self.u, ["outputs with slide.force = nan are not finite"]),
+    ],
+)
+def test_an_instance_that_takes_all(monkeypatch, method, change, words):
+    instance = Instance(model_of(DATA, Way()))
+    assert masters.tease(instance) == []
+    monkeypatch.setattr(Instance, method, change(getattr(Instance, method)))
+    text = " ".join(masters.tease(instance))
+    assert all(word in text for word in words)
+
+
+def test_what_is_odd_on_the_way_is_found(good):
+    assert [finding.verdict for finding in laws.always(replace(good, odd=["a step is taken back"]), DATA)] == ["odd"]
+
+
+def test_a_parameter_that_is_set_to_what_it_is(plan):
+    """Changes nothing, not even what an implicit method keeps of its last steps."""
+    way = Way(integrator="radau", tolerance=1e-5, pattern=("equal", 3))
+    assert compare.same(run(DATA, plan, replace(way, memory="untouched")), run(DATA, plan, way), "") == []
+
+
+# commanded motion
+
+GROUND = {"name": "over a ground", "gravity": [0.0, 0.0, 0.0], "ground": {"motion": {"input": ["position", "velocity"]}}}
+GROUND |= {"body": {"p": {"mass": 1.0, "inertia": [1, 1, 1]}, "s": {"mass": 1.0, "inertia": [1, 1, 1]}}}
+GROUND["joint"] = {
+    "t": {"free": {}, "between": ["ground", "p"], "start": {"velocity": [0.1, 0.2, 0.3]}},
+    "j": {"prismatic": {}, "between": ["ground", "s"], "driver": {"input": ["position"]}},
+}
+
+
+def test_commands_are_met_and_nothing_jumps():
+    """Cubics told by their values alone."""
+    cubics = {f"ground.position[{k}]": [0.0, 0.3, -0.5 * k, 0.4] for k in (1, 2, 3)}
+    cubics |= {f"ground.velocity[{k}]": [0.3, -1.0 * k, 1.2] for k in (1, 2, 3)}
+    cubics["j.position_command"] = [0.0, -0.2, 0.7, 0.6]
+    plan = plans.draw(SEED, model_of(GROUND, Way()), until=1.0).under(cubics)
+    found = run(GROUND, plan, Way(pattern=("equal", 3)))
+    assert commands.met(plan, found) == commands.straight(GROUND, plan, found) == []
+    (finding,) = commands.met(plan, broken(found, "j.position", -1, lambda x: x + 1e-6))
+    assert finding.variable == "j.position"
+    (finding,) = commands.straight(GROUND, plan, broken(found, "p.position[2]", -1, lambda x: x + 1e-6))
+    assert finding.variable == "p.position[2]"
 
 
 # what a model says of itself

@@ -9,10 +9,12 @@ from tempfile import TemporaryDirectory
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError
 
-from . import compare, dependence, draws, exactness, laws, route, starts
+from . import commands, compare, dependence, draws, exactness, laws, route, starts
 from . import plan as plans
 from .findings import Count, Finding
 from .ways import Libraries, Way, model_of, run
+
+LIGHT = 1e-5  # parts of the heaviest
 
 SPENT = "max_evaluations"
 
@@ -32,27 +34,29 @@ class Verdict:
     findings: list[Finding] = field(default_factory=list)
     count: Count = field(default_factory=Count)
     refused: str | None = None
+    stopped: str | None = None
     told: list[str] = field(default_factory=list)
     first: dict[str, float] = field(default_factory=dict)
     seconds: float = 0.0
 
 
-def judge(data, seed, interpreter=None, fmu=True, n=3, until=None):
+def judge(data, seed, interpreter=None, fmu=True, n=3, until=None, signals=None):
     """The verdict on a scene (a dict).
 
-    interpreter : `Interpreter`, or None to go without. until : s, else drawn.
+    interpreter : `Interpreter`, or None to go without. until : s, else drawn. signals : inputs other than those drawn, name ->
+    coefficients of the powers of time; the derivatives are not told.
     """
     begun = clock.perf_counter()
     verdict = Verdict(seed)
 
     with TemporaryDirectory() as folder, Libraries() as libraries:
-        _judge(data, seed, verdict, interpreter, fmu, n, until, Path(folder), libraries)
+        _judge(data, seed, verdict, interpreter, fmu, n, until, signals or {}, Path(folder), libraries)
 
     verdict.seconds = clock.perf_counter() - begun
     return verdict
 
 
-def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
+def _judge(data, seed, verdict, interpreter, fmu, n, until, signals, folder, libraries):
     try:
         scene = Scene.model_validate(data)
         model = model_of(data, Way())
@@ -64,7 +68,7 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
         )
         return
 
-    plan = plans.draw(seed, model, until)
+    plan = plans.draw(seed, model, until).under(signals)
     ways = draws.draw(seed, plan, n, fmu, interpreter is not None, len(scene.body))
     runs = [run(data, plan, way) for way in ways.near]
     reference, kicked = _reference(data, plan, ways)
@@ -86,6 +90,7 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
         ]
         return
 
+    verdict.stopped = reference.stopped
     verdict.first = dict(zip(reference.names, reference.values[0]))
     units = {v.name: v.unit for v in model.of_causality("output")}
     exact = exactness.of(data, scene, model, plan, reference)
@@ -102,6 +107,16 @@ def _judge(data, seed, verdict, interpreter, fmu, n, until, folder, libraries):
         _balances(data, scene, plan, ways, of, verdict)
 
     _second_route(data, plan, reference, exact, verdict)
+
+    if has_light_parts(scene):
+        for other in [r for r in runs if r.way.formulation == "augmented" and not r.way.plain][:1]:
+            _second_route(data, plan, other, exact, verdict)
+
+    findings += commands.straight(data, plan, reference)
+
+    for other in runs:
+        findings += commands.met(plan, other)
+
     findings += starts.kept(data, reference)
     findings += starts.written(data)
     findings += dependence.told(model)
@@ -172,12 +187,18 @@ def _unbalanced(data, scene, plan, way, of, count):
         return []
 
     integrals = laws.Integrals(found, way.pattern[1], laws.jumps(data))
-    unbalanced = laws.energy(integrals, of, count)
+    unbalanced = laws.energy(integrals, of, count) + laws.courses(integrals, count)
 
     if laws.bears_all(data):
         unbalanced += laws.momentum(integrals, of, count, *laws.mass_and_gravity(scene, plan))
 
     return unbalanced
+
+
+def has_light_parts(scene):
+    """Whether some part weighs next to nothing beside another: absolute coordinates then lose digits."""
+    masses = [body.mass_properties()[0] for body in scene.body.values()]
+    return min((mass for mass in masses if mass > 0.0), default=1.0) < LIGHT * max(masses)
 
 
 def _second_route(data, plan, reference, exact, verdict):

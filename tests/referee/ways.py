@@ -20,8 +20,9 @@ from fmu_host import Instance as Component
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene, SceneError
+from mbdfmi.scene import Scene, SceneError, fmi_name
 
+from .masters import tease
 from .plan import N_DERIVATIVE, dice, pieces
 from .telling import all_told
 
@@ -34,6 +35,9 @@ MOST_EVALUATIONS = 20000
 TIGHT = 1e-11
 MODELS_KEPT = 8
 
+# how far functions of time may be off at communication points, of their largest value
+ECHO = 1e-6
+
 # random changes of the state, in units of the error that a step of tolerance 1 may make
 KICK = 1e-7
 
@@ -44,7 +48,8 @@ class Way:
     step : s, of steppers with a fixed step. pattern : of communication steps, see `plan.pieces`.
     host : "process", "fmu", or "simulate", the function a user calls.
     memory : "restore" (a snapshot taken in mid-run is gone back to), "serialise" (another instance goes on
-        from its bytes), "reset", "second" (beside another instance of the same library that does otherwise).
+        from its bytes), "reset", "second" (beside another instance of the same library that does otherwise),
+        "teased" (a master does in mid-run what none should), "untouched" (no parameter is set to what it is).
     interpreted : kernels as plain Python, in a process of their own.
     exact : no inner step goes across a communication point, so nothing is read off between inner steps.
     plain : with the scene's own outputs, not all there are.
@@ -102,7 +107,8 @@ class Run:
     names : of the outputs. times : s, (n,). phases : (n,), ARRIVING or LEAVING. values : (n, n_y).
     notices : as told to a user. start : rows are there. stopped : why the run ended early, None if it did
     not, and refused : why there was none. crashed : a traceback of what is no message to a user.
-    most : evaluations in the dearest communication step.
+    most : evaluations in the dearest communication step. odd : what on the way was not as it must be, in
+    words.
     """
 
     way: Way
@@ -111,6 +117,7 @@ class Run:
     phases: list[int] = field(default_factory=list)
     values: list[np.ndarray] = field(default_factory=list)
     notices: list[str] = field(default_factory=list)
+    odd: list[str] = field(default_factory=list)
     refused: str | None = None
     stopped: str | None = None
     crashed: str | None = None
@@ -230,11 +237,24 @@ def _by_function(model, plan, way, result, libraries):
 
     n = sum(map(len, pieces(plan, way.pattern)))
     inputs = {name: function(signal) for name, signal in plan.signals.items()}
-    found = simulate(model, plan.until, plan.until / n, inputs)
+    found = simulate(model, plan.until, plan.until / n, inputs, as_written(model))
     result.notices = found.notices
+
+    for name, signal in inputs.items():
+        given = np.array([signal(t) for t in found["time"]])
+
+        if not np.abs(found[name] - given).max() <= ECHO * (1.0 + np.abs(given).max()):
+            result.odd.append(f"input {name} is not told as it was given")
 
     for k, row in enumerate(np.column_stack([found[name] for name in result.names])):
         result.note(found["time"][k], LEAVING if k < n else ARRIVING, row)
+
+
+def as_written(model):
+    """Masses as they are, by the names that the scene has (which an FMU may write in another way)."""
+    starts = {v.name: v.start for v in model.of_causality("parameter")}
+    named = {f"{name}.mass": f"{fmi_name(name)}.mass" for name in model.scene.body}
+    return {written: starts[name] for written, name in named.items() if name in starts}
 
 
 HOSTS = {"process": _in_process, "fmu": _in_fmu, "simulate": _by_function}
@@ -265,6 +285,11 @@ def _follow(start, plan, way, result):
                 _astray(driver, plan, way, k, t, own)
                 driver.restore(snapshot)
 
+            if k == back_at and way.memory == "teased":
+                snapshot = driver.save()
+                result.odd += tease(driver.instance)
+                driver.restore(snapshot)
+
             if k == back_at and way.memory == "serialise":
                 driver = driver.moved()
 
@@ -278,6 +303,7 @@ def _follow(start, plan, way, result):
                 break
     finally:
         result.notices = driver.notices()
+        result.odd += driver.odd
         result.steps, result.evaluations, result.most = driver.work()
         driver.free()
 
@@ -325,6 +351,7 @@ class _Process:
         self.index = {v.name: v.index for v in model.of_causality("parameter")}
         self.instance = None
         self.most = 0.0
+        self.odd = []
 
     def begin(self):
         """From the start on, unless it has begun; returns the outputs there."""
@@ -336,10 +363,16 @@ class _Process:
     reset = free = lambda self: setattr(self, "instance", None)
 
     def set(self, parameters, inputs):
+        if self.way.memory == "untouched":
+            reals = self.instance.reals
+            parameters = {name: value for name, value in parameters.items() if reals[self.index[name]] != value}
+
         for name, value in parameters.items():
             self.instance.reals[self.index[name]] = value
 
-        self.instance.prepare()
+        if parameters or self.way.memory != "untouched":
+            self.instance.prepare()
+
         self.instance.u[: N_DERIVATIVE * self.model.n_u] = inputs.ravel()
 
     def jumped(self, k):
@@ -407,6 +440,7 @@ class _Component:
         self.component = Component(library)
         self.inputs = library.references("input")
         self.names = [v.name for v in library.variables.values() if v.causality == "input"]
+        self.odd = []
         self.begun = False
 
     def begin(self):
@@ -433,6 +467,12 @@ class _Component:
         for reference, column in zip(self.inputs, inputs.T):
             for order in range(1, N_DERIVATIVE):
                 self._ok(c.set_derivatives(reference, order, column[order]))
+
+        status, echo = c.get(*self.inputs) if self.inputs else (OK, [])
+        self._ok(status)
+
+        if list(echo) != list(inputs[0]):
+            self.odd.append("inputs are not told as they were set")
 
     def jumped(self, k):
         pass
