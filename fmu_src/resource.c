@@ -21,7 +21,7 @@
 #define N_SEALED 7                        /* of them: those of numbers */
 #define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
 
-static const char MAGIC[8] = "mbdfmi\0\1";
+static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', '\1'};
 
 /* The head of the file, as it lies there. */
 typedef struct {

@@ -9,7 +9,7 @@
 
 #define VERSION 1
 
-static const char MAGIC[8] = "mbdfmi\0S";
+static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 
 struct Snapshot {
     char magic[8];

@@ -393,7 +393,7 @@ def _reference(trial):
     """(setting, outputs, doubt) of the tightest run that succeeds. Raises SimulationError, that of the
     loosest.
     """
-    setting, rows, failure = None, None, None
+    setting, rows, failures = None, None, []
 
     for tolerance in REFERENCE:
         tried = Setting("auto", tolerance)
@@ -401,7 +401,7 @@ def _reference(trial):
         try:
             _, found = trial.run(tried)
         except SimulationError as error:
-            failure = error
+            failures.append(error)
             continue
 
         if rows is not None:
@@ -409,12 +409,9 @@ def _reference(trial):
 
         setting, rows = tried, found
 
-    if rows is not None:
-        raise SimulationError(
-            f"the reference run, {setting}, cannot be checked: at {tried}, {failure}", failure.time
-        )
-
-    raise SimulationError(f"no reference run succeeds: at {tried}, {failure}", failure.time)
+    last = failures[-1]
+    what = "no reference run succeeds" if rows is None else f"the reference run, {setting}, cannot be checked"
+    raise SimulationError(f"{what}: {last}", last.time)
 
 
 def _compared(trial, setting, reference, before):

@@ -1,5 +1,7 @@
 """The picture of a comparison of steppers, by matplotlib."""
 
+from typing import Any
+
 from matplotlib.figure import Figure
 
 COLOURS = {
@@ -12,7 +14,7 @@ COLOURS = {
     "gauss": "tab:purple",
 }
 
-SMALL = {"fontsize": "x-small", "color": "0.3"}
+SMALL: dict[str, Any] = {"fontsize": "x-small", "color": "0.3"}
 
 
 def figure_of(comparison) -> Figure:

@@ -119,7 +119,7 @@ class _Run:
         self.free_v = [self.m.n_q + v for v in range(self.m.n_v) if v not in held]
         places = {self.m.n_q + v for v in held} | {q for part in self.parts for q in part.positions(self.m)}
         self.loose = [k for k in range(self.m.n_x) if k not in places]
-        self.between = None
+        self.between: list[BPoly] = []
 
         if len(times) > 1:
             courses = [[part.course[k].T for k in range(len(times))] for part in self.parts]
@@ -249,7 +249,8 @@ class _Run:
 
     def _results(self, efforts, columns, notices):
         """Efforts first, under the names of the inputs that would apply them."""
-        found, units = {"time": self.times}, {"time": "s"}
+        found: dict[str, np.ndarray] = {"time": self.times}
+        units: dict[str, str | None] = {"time": "s"}
         model = self.instance.model
 
         for name in self.told:

@@ -38,7 +38,7 @@ def quantities_of(joint):
 
     Of a pose the order is None.
     """
-    found = {}
+    found: dict[str, tuple[list[int], int | None]] = {}
 
     for k, (position, speed, _) in enumerate(COORDINATES.get(joint.kind, ())):
         of = found.setdefault(position, ([], 0))[0]
@@ -239,20 +239,26 @@ def _of_zyx(angles):
     course = np.empty((len(angles), 4, 3))
 
     for k, of in enumerate(angles):
-        total = None
+        a, *others = (_about(axis, *turn) for axis, turn in zip((2, 1, 0), of))
 
-        for axis, (angle, rate, rate2) in zip((2, 1, 0), of):
-            c, s = np.cos(0.5 * angle), np.sin(0.5 * angle)
-            one = np.zeros((3, 4))
-            one[:, axis] = s, 0.5 * c * rate, 0.5 * c * rate2 - 0.25 * s * rate**2
-            one[:, 3] = c, -0.5 * s * rate, -0.5 * s * rate2 - 0.25 * c * rate**2
-            a, b = total, one
-            total = one if a is None else np.array([
-                product_of(a[0], b[0]),
-                product_of(a[1], b[0]) + product_of(a[0], b[1]),
-                product_of(a[2], b[0]) + 2.0 * product_of(a[1], b[1]) + product_of(a[0], b[2]),
-            ])  # fmt: skip
+        for b in others:
+            a = np.array(
+                [
+                    product_of(a[0], b[0]),
+                    product_of(a[1], b[0]) + product_of(a[0], b[1]),
+                    product_of(a[2], b[0]) + 2.0 * product_of(a[1], b[1]) + product_of(a[0], b[2]),
+                ]
+            )
 
-        course[k] = total.T
+        course[k] = a.T
 
     return course
+
+
+def _about(axis, angle, rate, rate2):
+    """Euler parameters and their rates, rows (3, 4), of a turn about one axis (0, 1, 2)."""
+    c, s = np.cos(0.5 * angle), np.sin(0.5 * angle)
+    one = np.zeros((3, 4))
+    one[:, axis] = s, 0.5 * c * rate, 0.5 * c * rate2 - 0.25 * s * rate**2
+    one[:, 3] = c, -0.5 * s * rate, -0.5 * s * rate2 - 0.25 * c * rate**2
+    return one

@@ -99,6 +99,5 @@ def print_module(entries: str, expected: str) -> None:
     if source_hash() != expected:
         sys.exit("the sources of the kernels have changed since this program began: start it again")
 
-    entries = getattr(importlib.import_module(module), table)
     load_apart()
-    sys.stdout.write(module_of(entries, APART))
+    sys.stdout.write(module_of(getattr(importlib.import_module(module), table), APART))

@@ -165,6 +165,6 @@ def _structure(root, model) -> None:
 
         element = etree.SubElement(structure, section)
         for index, variable in outputs:
-            known = sorted(reference + 1 for reference in getattr(variable, dependencies))
-            known = " ".join(map(str, known))
+            places = sorted(reference + 1 for reference in getattr(variable, dependencies))
+            known = " ".join(map(str, places))
             etree.SubElement(element, "Unknown", index=str(index), dependencies=known)

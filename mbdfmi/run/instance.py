@@ -42,7 +42,7 @@ class Instance:
         self.model = model
         self.notices = list(model.notices)
         self.reals = model.reals.copy()
-        self._prepared = None
+        self._prepared: bytes | None = None
         self.m, self.d = model.views(self.reals)
         self.u = self.d.u_buffer
         self.y = np.zeros(model.n_y)

@@ -151,13 +151,12 @@ def _print_variables(causality, variables):
         return
 
     values = ("value",) if causality == "parameter" else ()
-    meanings = (
-        ("meaning",) if not values or out.width >= 110 else ()
-    )  # a narrow terminal shows values instead
+    # a narrow terminal shows values instead
+    meanings = ("meaning",) if not values or out.width >= 110 else ()
     table = table_of(causality, *values, "unit", *meanings)
 
-    for base, members in groupby(variables, lambda v: array_of(v.name)):
-        members = list(members)
+    for base, group in groupby(variables, lambda v: array_of(v.name)):
+        members = list(group)
         name = base + re.sub(r"\d+", r"1..\g<0>", members[-1].name.removeprefix(base))
         units = list(dict.fromkeys(v.unit for v in members if v.unit))
         unit = units[0] + ", ..." * (len(units) > 1) if units else ""
