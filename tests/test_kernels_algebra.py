@@ -33,13 +33,13 @@ def full(S):
 
 
 def B_matrix(E):
-    """[B] of the theory text, "Euler Parameter Matrices"."""
+    """B of docs/theory.md 2.1."""
     E1, E2, E3, E4 = E
     return np.array([[E4, -E3, E2, -E1], [E3, E4, -E1, -E2], [-E2, E1, E4, -E3]])
 
 
 def C_matrix(E):
-    """[C] of the theory text."""
+    """C of docs/theory.md 2.1."""
     E1, E2, E3, E4 = E
     return np.array([[E4, E3, -E2, -E1], [-E3, E4, E1, -E2], [E2, -E1, E4, -E3]])
 

@@ -1,7 +1,7 @@
 """The examples of K. Y. Lee's lecture "Topics in Ship Design Automation" (Seoul National
 University, 2010) in closed form.
 
-Section numbers are the lecture's. Each example that has constraints runs in all three formulations.
+Section numbers are the lecture's ([Lee] in docs/theory.md). Each example that has constraints runs in all three formulations.
 """
 
 from pathlib import Path
