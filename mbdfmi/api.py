@@ -1,11 +1,13 @@
 """The scene as a Python user meets it: it can simulate and export itself."""
 
 import os
+from contextlib import contextmanager
 from pathlib import Path
 
 from pydantic import PrivateAttr
 
 from . import scene as _scene
+from .scene.fields import adopted, given
 
 
 class Scene(_scene.Scene):
@@ -13,18 +15,47 @@ class Scene(_scene.Scene):
 
     Made by `load`, or as `Scene(name=..., body={...}, joint={...})` with the keys of a scene file. Raises
     SceneError with all that is wrong in it.
+
+    Its parts can be changed, `scene.joint["elbow"].damper = 0.2`, added, `scene.force["rope"] = {...}`, and
+    taken out, `del scene.force["rope"]`. What is assigned is checked at once, how the parts go together when
+    the scene is used next.
     """
 
     _file: Path | None = PrivateAttr(None)
+    _known: dict = PrivateAttr({})
+
+    def model_post_init(self, context):
+        """Remembers what was checked."""
+        self._known = given(self)
+
+    def _whole(self):
+        """Itself, checked again if it was changed. Raises SceneError."""
+        now = given(self)
+
+        if now != self._known:
+            with self._file_named():
+                adopted(self, type(self).model_validate(now))
+
+            self._known = given(self)
+
+        return self
+
+    @contextmanager
+    def _file_named(self):
+        """A SceneError names the file."""
+        try:
+            yield
+        except _scene.SceneError as error:
+            raise _scene.SceneError(error.problems, file=self._file) from None
 
     def compile(self):
         """The `Model` of the scene: arrays and variables. Raises SceneError."""
         from .compiler.model import compile_scene
 
-        try:
+        self._whole()
+
+        with self._file_named():
             return compile_scene(self)
-        except _scene.SceneError as error:
-            raise _scene.SceneError(error.problems, file=self._file) from None
 
     def simulate(self, until, step=None, inputs=None, parameters=None, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
@@ -40,7 +71,7 @@ class Scene(_scene.Scene):
         """
         from .analysis.inverse import inverse
 
-        return inverse(self, motion, times, **options)
+        return inverse(self._whole(), motion, times, **options)
 
     def compare_steppers(self, until, step=None, **options):
         """Error against cost of every stepper on this scene; see
@@ -48,7 +79,7 @@ class Scene(_scene.Scene):
         """
         from .analysis.comparison import compare_steppers
 
-        return compare_steppers(self, until, step, **options)
+        return compare_steppers(self._whole(), until, step, **options)
 
     def structure(self):
         """Degrees of freedom, redundant equations, undetermined reactions; see
@@ -56,7 +87,7 @@ class Scene(_scene.Scene):
         """
         from .analysis.structure import structure
 
-        return structure(self)
+        return structure(self._whole())
 
     def export(self, path=None, platforms=None, **options) -> Path:
         """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`.
@@ -73,7 +104,6 @@ class Scene(_scene.Scene):
 
 def load(path: str | os.PathLike) -> Scene:
     """Read a scene from a TOML file. Raises SceneError with the file's name and all that is wrong in it."""
-    read = _scene.read_scene(path)
-    scene = Scene.model_construct(read.model_fields_set, **read.__dict__)
+    scene = _scene.read_scene(path, Scene)
     scene._file = Path(path)
     return scene

@@ -285,7 +285,7 @@ class _PartType(type(BaseModel)):
 
 
 class Part(BaseModel, metaclass=_PartType):
-    """A table of a scene. Parts do not change once made.
+    """A table of a scene. What is assigned is checked at once, as if the part were made anew with it; None takes a key out.
 
     kind : of the classes that share a place, the key that tells which is meant; else None.
     exclusive : groups of keys of which at most one may be given.
@@ -294,11 +294,29 @@ class Part(BaseModel, metaclass=_PartType):
     Raises SceneError with all that is wrong when it is made.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid")
 
     kind: ClassVar[str | None] = None
     exclusive: ClassVar[tuple] = ()
     needed: ClassVar[tuple] = ()
+
+    def __setattr__(self, name, value):
+        if name.startswith("_"):
+            super().__setattr__(name, value)
+            return
+
+        tables = given(self) | {name: given(value)}
+
+        if value is None and name in type(self).model_fields:
+            del tables[name]
+
+        # all other parts stay the objects that they are
+        checked = type(self)(**tables)
+        self.__dict__[name] = checked.__dict__[name]
+        (self.model_fields_set.discard if value is None else self.model_fields_set.add)(name)
+
+    def __dir__(self):
+        return [name for name in super().__dir__() if name not in OF_PYDANTIC]
 
     @classmethod
     def known_keys(cls):
@@ -314,6 +332,46 @@ class Part(BaseModel, metaclass=_PartType):
             if not given and keys in self.needed:
                 raise ValueError(f"needs {listed(keys, 'or')}")
         return self
+
+
+OF_PYDANTIC = frozenset(dir(BaseModel)) - frozenset(dir(object))
+"""What a part is made with, and users need not see."""
+
+
+def given(value):
+    """What was given of a part, as plain dicts and lists: what was written, assigned or added, not what follows from it."""
+    if isinstance(value, Part):
+        return {key: given(getattr(value, key)) for key in value.known_keys() if _is_given(value, key)}
+    if isinstance(value, dict):
+        return {key: given(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [given(item) for item in value]
+    return value
+
+
+def adopted(value, checked):
+    """A value whose plain tables and lists, as users add them, are those of one that was checked; parts stay the objects that
+    they are.
+    """
+    if isinstance(value, Part):
+        for key in type(value).model_fields:
+            value.__dict__[key] = adopted(value.__dict__[key], checked.__dict__[key])
+        return value
+    if isinstance(value, dict) and isinstance(checked, dict):
+        for key in value:
+            value[key] = adopted(value[key], checked[key])
+        return value
+    return checked
+
+
+def _is_given(part, key):
+    value, default = getattr(part, key), type(part).model_fields[key].default
+    if value is None:
+        return False
+    if key in part.model_fields_set:
+        return True
+    # a list, a table or a part that was there by default may have got something
+    return isinstance(value, (list, dict, Part)) and bool(given(value)) and value != default
 
 
 class Empty(Part):

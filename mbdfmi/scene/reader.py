@@ -8,10 +8,10 @@ from .errors import Problem, SceneError, show
 from .schema import Scene
 
 
-def read_scene(path):
+def read_scene(path, kind=Scene):
     """Read a scene from a TOML file.
 
-    path : str or path-like. Returns a `Scene`.
+    path : str or path-like. Returns a `Scene`, or a class of `kind`.
     Raises SceneError, with the file's name and all that is wrong in it, for whatever goes wrong.
     """
     path = os.fspath(path)
@@ -25,21 +25,21 @@ def read_scene(path):
     except (OSError, ValueError) as error:
         text = f"cannot be read: {getattr(error, 'strerror', None) or error}"
     else:
-        return parse_scene(data, path)
+        return parse_scene(data, path, kind)
 
     raise SceneError([Problem((), text)], file=path)
 
 
-def parse_scene(data, file=None):
+def parse_scene(data, file=None, kind=Scene):
     """A scene from the bytes of a TOML file, with the name that messages give the file, or None.
 
     Raises SceneError with all that is wrong.
     """
-    if kind := _other_kind(data):
-        raise SceneError([Problem((), f"is {kind}, not a scene file (TOML)")], file=file)
+    if other := _other_kind(data):
+        raise SceneError([Problem((), f"is {other}, not a scene file (TOML)")], file=file)
 
     try:
-        return Scene.model_validate(tomllib.loads(data.decode("utf-8-sig")))
+        return kind.model_validate(tomllib.loads(data.decode("utf-8-sig")))
     except SceneError as error:
         problems = error.problems
     except UnicodeDecodeError as error:

@@ -2,7 +2,7 @@
 
 from ..files import replacing
 from .errors import key_text, quoted
-from .fields import Part
+from .fields import given
 
 WIDTH = 96
 
@@ -10,7 +10,7 @@ WIDTH = 96
 def toml_text(scene):
     """The scene as the text of a TOML file: what was given, not what follows from it."""
     lines = []
-    _write_table(lines, [], _given(scene))
+    _write_table(lines, [], given(scene))
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
@@ -19,20 +19,6 @@ def write_scene(scene, path):
     text = scene.to_toml()
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
-
-
-def _given(value):
-    """What was given of a part, as plain dicts and lists."""
-    if isinstance(value, Part):
-        keys = [key for key in value.known_keys() if key in value.model_fields_set]
-        return {
-            key: _given(getattr(value, key)) for key in keys if getattr(value, key) is not None
-        }
-    if isinstance(value, dict):
-        return {key: _given(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_given(item) for item in value]
-    return value
 
 
 def _write_table(lines, path, table):

@@ -323,7 +323,7 @@ UNDONE = [
     ),
     Undone(
         13, "a file of another kind is read as TOML", "scene/reader.py",
-        "    if kind := _other_kind(data):", "    if kind := None:",
+        "    if other := _other_kind(data):", "    if other := None:",
         "tests/test_told.py",
     ),
     Undone(
