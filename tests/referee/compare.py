@@ -1,7 +1,7 @@
 """Ways against each other: within what their tolerances allow, or to the bit.
 
 How far two ways may part is measured, not guessed: the reference is run again with its state kicked at every
-shared point by random changes as small as KICK. What comes of these at an output, from the start up to a
+communication point by random changes as small as KICK. What comes of these at an output, from the start up to a
 time, over KICK, is how far an error of a step there may go (GROWTH below). Where that is beyond all use, as
 in chaotic motions, the comparison counts as loose.
 """
@@ -186,9 +186,7 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
             beyond = ratio.max()
             k = int(np.argmax(ratio > 1.0))
             c = int(np.argmax(np.abs(mine[theirs[k]] - wanted[k])))
-            text = (
-                f"at worst {beyond:.3g} times what is allowed; the other way is {(twin or reference.run).way}"
-            )
+            text = f"the other way is {(twin or reference.run).way}"
             worst = Finding(
                 "ways part",
                 str(run.way),
@@ -198,6 +196,7 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, safety=1.0
                 wanted[k, c],
                 allowed[k],
                 text,
+                float(beyond),
             )
 
     return [worst] if worst else []

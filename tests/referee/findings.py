@@ -8,7 +8,8 @@ class Finding:
     """Something that is not as it must be.
 
     verdict : which one, in a word. way : how it was run. variable, time (s) : where. found, wanted, allowed :
-    the value, what it must be, and how far off it may be. text : more, in words.
+    the value, what it must be, and how far off it may be. text : more, in words. beyond : how many times
+    as far off as it may be it is, at worst.
     """
 
     verdict: str
@@ -19,6 +20,7 @@ class Finding:
     wanted: float | None = None
     allowed: float | None = None
     text: str = ""
+    beyond: float | None = None
 
     def __str__(self):
         parts = [f"{self.verdict}: {self.variable}".rstrip(": ")]
@@ -34,6 +36,9 @@ class Finding:
 
         if self.allowed is not None:
             parts.append(f"to {self.allowed:.2g}")
+
+        if self.beyond is not None:
+            parts.append(f"at worst {self.beyond:.3g} times what is allowed;")
 
         if self.text:
             parts.append(self.text)

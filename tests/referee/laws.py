@@ -87,7 +87,8 @@ def gaps(run, values, data):
     solver = data.get("solver", {})
     allowed = max(GAP, 10.0 * solver.get("closing_tolerance", 1e-9))
 
-    if any("does not quite close" in text for text in run.notices):
+    # of many notices only the first are told
+    if any("does not quite close" in text or "more of this kind" in text for text in run.notices):
         return []
 
     found = []

@@ -24,6 +24,7 @@ COMMANDS = {"position_command": 0, "angle_command": 0, "speed_command": 1, "acce
 GROUND = {
     "position": 0, "velocity": 1, "acceleration": 2, "euler_parameters": 0, "zyx": 0, "omega": 1, "alpha": 2,
 }  # fmt: skip
+TURNS = ("zyx", "euler_parameters", "omega", "alpha")
 
 
 def dice(seed, *names):
@@ -161,6 +162,20 @@ def order_of(name):
     return GROUND.get(quantity) if owner == "ground" else COMMANDS.get(quantity)
 
 
+def speeds_unknown(plan):
+    """Whether inputs command positions, and neither their speeds nor any derivatives: the speed is known from the
+    second communication point on, where it jumps."""
+    orders = {}
+
+    for name, signal in plan.signals.items():
+        owner, _, quantity = name.partition("[")[0].rpartition(".")
+
+        if order_of(name) is not None and not signal.told:
+            orders.setdefault((owner, quantity in TURNS), set()).add(order_of(name))
+
+    return any(1 not in told for told in orders.values())
+
+
 def _signal(seed, v, points, bare):
     order = order_of(v.name)
 
@@ -174,7 +189,7 @@ def _signal(seed, v, points, bare):
 
     # the ground turns about its z axis alone where it is told by Euler parameters or omega: then all is one
     # polynomial's
-    turning = owner == "ground" and quantity in ("zyx", "euler_parameters", "omega", "alpha")
+    turning = owner == "ground" and quantity in TURNS
     axis = _axis(quantity, index)
     wave = 0
 

@@ -1,5 +1,6 @@
 """What can be asked of the runs of a scene, and what is done to it, so that nothing is compared that is not determined."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,10 +9,10 @@ import pytest
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.scene import Scene
 
-from . import compare, exactness, laws, starts
+from . import compare, exactness, laws, starts, verdicts
 from . import plan as plans
 from .exactness import Exactness
-from .findings import Count
+from .findings import Count, Finding
 from .telling import all_told
 from .verdicts import judge
 from .ways import Run, Way, model_of
@@ -136,3 +137,30 @@ def test_the_second_route_sees_a_ground_of_which_inputs_tell_little():
     bare = next(seed for seed in range(100) if plans.dice(seed, "bare").random() < 0.25)
     verdict = judge(HUNG, bare, until=0.2)
     assert verdict.findings == []
+
+
+@pytest.mark.parametrize("names, unknown", [
+    (["arm.angle_command"], True), (["arm.angle_command", "arm.speed_command"], False),
+    (["ground.position[1]", "ground.omega[1]"], True), (["ground.velocity[1]", "ground.zyx[1]"], True), (["arm.torque"], False),
+])  # fmt: skip
+def test_speeds_of_which_nothing_is_told(names, unknown):
+    for told_too in (False, True):
+        signal = SimpleNamespace(told=told_too)
+        plan = plans.Plan(np.array([0.0, 1.0]), dict.fromkeys(names, signal))
+        assert plans.speeds_unknown(plan) == (unknown and not told_too)
+
+
+def test_what_is_a_little_off_must_be_less_so_with_a_smaller_tolerance(monkeypatch):
+    def converges(off, beyond, way):
+        def once(data, plan, other):
+            assert other in (replace(way, tolerance=1e-8), replace(way, step=0.01))
+            return told(["arm.angle"], [[1.0 + off]])
+
+        monkeypatch.setattr(verdicts, "run", once)
+        finding = Finding("ways part", str(way), "arm.angle", 0, 1.1, 1.0, 0.01, beyond=beyond)
+        return verdicts._converges({}, None, way, finding, Count())
+
+    for way in (Way(tolerance=1e-6), Way(integrator="rk4", step=0.04)):
+        assert converges(0.001, 10.0, way)
+        assert not converges(0.05, 10.0, way)
+        assert not converges(0.001, 1e4, way)

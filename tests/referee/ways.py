@@ -53,7 +53,7 @@ class Way:
     interpreted : kernels as plain Python, in a process of their own.
     exact : no inner step goes across a communication point, so nothing is read off between inner steps.
     plain : with the scene's own outputs, not all there are.
-    kick : seed of small changes of the state at every shared point, which tell how much an error grows.
+    kick : seed of small changes of the state at every communication point, which tell how much an error grows.
     evaluations : as many as a communication step may cost. seconds :
     s of wall time after which the run ends where it is.
     """
@@ -316,9 +316,7 @@ def _interval(driver, plan, way, result, k, t, steps):
     for j, H in enumerate(steps):
         driver.set(plan.settings.get(k, {}) if j == 0 else {}, plan.inputs(t, k))
 
-        if j == 0:
-            driver.jumped(k)
-
+        driver.kick(k, j)
         result.note(t, LEAVING, driver.outputs())
         driver.step(t, H)
         t += H
@@ -375,13 +373,13 @@ class _Process:
 
         self.instance.u[: N_DERIVATIVE * self.model.n_u] = inputs.ravel()
 
-    def jumped(self, k):
-        """At a shared point: the state is kicked, if the way says so."""
+    def kick(self, *step):
+        """The state is kicked at the beginning of a step, if the way says so."""
         if self.way.kick is None:
             return
 
         d = self.instance.d
-        rng = dice(self.way.kick, "kick", k)
+        rng = dice(self.way.kick, "kick", *step)
         unit = np.maximum(np.abs(d.x), 1.0)
         d.x[:] += KICK * unit * rng.normal(size=len(d.x))
         d.u_known[0] = 0.0
@@ -474,7 +472,7 @@ class _Component:
         if list(echo) != list(inputs[0]):
             self.odd.append("inputs are not told as they were set")
 
-    def jumped(self, k):
+    def kick(self, *step):
         pass
 
     def outputs(self):
