@@ -44,6 +44,8 @@ NO_MOTION = ("solver.", "constraint_gap", "constraint_rate")
 # parts of the largest value of the same unit below which an output counts as zero
 SMALL = 1e-6
 
+NEEDLESS = "a longer step is as exact as the reference"
+
 # most communication steps between looks at the clock, and s of CPU that as many steps at once may take
 CHUNK = 64
 BRIEF = 0.05
@@ -136,9 +138,11 @@ class Comparison:
         found, least = [], np.inf
 
         for run in self.done:
-            if run.error < least:
+            error = max(run.error, self.doubt)
+
+            if error < least:
                 found.append(run)
-                least = run.error
+                least = error
 
         return found
 
@@ -217,12 +221,20 @@ def compare_steppers(
     settings = [setting for name in steppers for setting in _settings(name, trial.times[1] - trial.times[0])]
     own = Setting(scene.solver.integrator, scene.solver.step or scene.solver.tolerance)
     settings = [own, *(setting for setting in settings if setting != own)]
-    runs = []
+    runs, again = [], []
 
     for k, setting in enumerate(settings):
         progress(k / len(settings), str(setting))
-        runs.append(_compared(trial, setting, rows, runs))
 
+        if reason := _left_out(setting, runs, doubt, longest):
+            runs.append(Run(setting, reason=reason))
+            continue
+
+        run, instance = _compared(trial, setting, rows)
+        runs.append(run)
+        again += [(run, instance)] if instance else []
+
+    trial.repeat(again, progress)
     by_time = sorted(runs, key=lambda run: (bool(run.reason), run.cpu if not run.reason else 0.0))
     names = [trial.outputs[k].name for k in trial.shown]
     title = trial.title
@@ -234,7 +246,7 @@ def compare_steppers(
 def _settings(name, H):
     """From loose to tight; H: communication step (s)."""
     return (
-        [Setting(name, H / n) for n in PARTS]
+        [Setting(name, float(H / n)) for n in PARTS]
         if name in FIXED_STEP
         else [Setting(name, t) for t in TOLERANCES]
     )
@@ -273,23 +285,29 @@ class _Trial:
             )
 
     def run(self, setting):
-        """(Run without its error, outputs (n, n_y) at the communication points). Raises SimulationError."""
+        """(Run without its error, outputs (n, n_y) at the communication points, instance). Raises
+        SimulationError.
+        """
         instance = Instance(compile_scene(self._solved(setting)), self.parameters, 0.0, self.inputs)
         rows = np.empty((len(self.times), len(self.shown)))
-        run = Run(setting, cpu=np.inf)
-        spent = 0.0
-
-        for _ in range(1 if INTERPRETED else ROUNDS):
-            seconds = self._once(instance, rows)
-            run.cpu = min(run.cpu, seconds)
-            spent += seconds
-
-            if spent > ENOUGH:
-                break
-
+        run = Run(setting, cpu=self._once(instance, rows))
         d = instance.d
         run.steps, run.rejected, run.evaluations = (int(a[0]) for a in (d.steps, d.rejected, d.evaluations))
-        return run, rows
+        return run, rows, instance
+
+    def repeat(self, runs, progress):
+        """Runs (run, instance) again, in turns, and keeps the least CPU time of each."""
+        rows = np.empty((len(self.times), len(self.shown)))
+        spent = [run.cpu for run, _ in runs]
+
+        for turn in range(1, 1 if INTERPRETED else ROUNDS):
+            progress(1.0, f"round {turn + 1} of {ROUNDS}, for the times")
+
+            for k, (run, instance) in enumerate(runs):
+                if spent[k] < ENOUGH:
+                    seconds = self._once(instance, rows)
+                    spent[k] += seconds
+                    run.cpu = min(run.cpu, seconds)
 
     def _once(self, instance, rows):
         """From the start to the end, outputs into rows; returns s of CPU. Raises SimulationError."""
@@ -399,7 +417,7 @@ def _reference(trial):
         tried = Setting("auto", tolerance)
 
         try:
-            _, found = trial.run(tried)
+            found = trial.run(tried)[1]
         except SimulationError as error:
             failures.append(error)
             continue
@@ -414,20 +432,33 @@ def _reference(trial):
     raise SimulationError(f"{what}: {last}", last.time)
 
 
-def _compared(trial, setting, reference, before):
-    """The Run of a setting; `before`: runs so far, by which one that would take too long is left out."""
+def _left_out(setting, before, doubt, longest):
+    """Why a setting is not run, or ""; `before`: runs so far, the scene's own first."""
     kin = [run for run in before[1:] if run.setting.integrator == setting.integrator]
 
-    if kin and "more than" in kin[-1].reason:
-        return Run(setting, reason=kin[-1].reason.partition(":")[0])
+    if not kin:
+        return ""
 
-    if kin and setting.key == "step" and kin[-1].cpu * kin[-1].setting.value / setting.value > trial.longest:
-        return Run(setting, reason=f"would take more than {trial.longest:g} s of CPU")
+    last = kin[-1]
 
+    if last.reason:
+        return last.reason.partition(":")[0] if "more than" in last.reason or NEEDLESS in last.reason else ""
+
+    if setting.key == "step" and last.error <= doubt:
+        return NEEDLESS
+
+    if setting.key == "step" and last.cpu * last.setting.value / setting.value > longest:
+        return f"would take more than {longest:g} s of CPU"
+
+    return ""
+
+
+def _compared(trial, setting, reference):
+    """(Run of a setting, its instance, or None without figures)."""
     try:
-        run, rows = trial.run(setting)
+        run, rows, instance = trial.run(setting)
     except SimulationError as error:
-        return Run(setting, reason=str(error))
+        return Run(setting, reason=str(error)), None
 
     run.error, run.worst = trial.error(rows, reference)
-    return run
+    return run, instance

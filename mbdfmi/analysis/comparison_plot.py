@@ -61,9 +61,8 @@ def figure_of(comparison) -> Figure:
     )
     ax.set_xlabel("CPU time [ms]")
     ax.set_ylabel("largest error of the outputs, by their sizes")
-    ax.set_title(
-        f"{comparison.title}: {comparison.until:g} s, communication step {comparison.step:g} s", loc="left"
-    )
+    what = f"{comparison.until:g} s, communication step {comparison.step:g} s"
+    ax.set_title(f"{comparison.title}\n{what}", loc="left", fontsize="medium")
     ax.grid(which="major", alpha=0.4)
     figure.legend(
         loc="outside right upper",

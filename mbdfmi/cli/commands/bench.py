@@ -127,8 +127,8 @@ def _print(found, say):
 
 
 def _table(found):
-    numbers = ("error", "CPU, ms", "evaluations", "steps", "rejected")
-    table = table_of("", "stepper", "tolerance, step", *numbers, "worst output", numbers=numbers)
+    numbers = ("error", "CPU, ms", "evaluations", "steps")
+    table = table_of("", "stepper", "tolerance", *numbers, "worst output", numbers=numbers)
 
     for run in found.done:
         mark = ">" if run in found.front else ""
@@ -138,7 +138,8 @@ def _table(found):
             run.setting.short,
             _error(run, found),
             f"{1e3 * run.cpu:.3g}",
-            *(f"{n:,}" for n in (run.evaluations, run.steps, run.rejected)),
+            f"{run.evaluations:,}",
+            f"{run.steps:,}",
             run.worst,
         )
 
