@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene import Scene, SceneError
 
