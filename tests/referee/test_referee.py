@@ -339,6 +339,47 @@ def test_a_parameter_that_is_set_to_what_it_is(plan):
     assert compare.same(run(DATA, plan, replace(way, memory="untouched")), run(DATA, plan, way), "") == []
 
 
+# what is read off between inner steps
+
+
+@pytest.mark.parametrize(
+    "amplitude, tolerance, until, points, steps",
+    [(1.9, 6e-8, 3.0, 10, 5), (1.8, 1e-7, 2.0, 10, 3), (1.5, 2e-8, 3.0, 8, 5), (1.8, 4e-9, 2.0, 8, 5), (1.9, 2e-9, 2.0, 10, 3)],
+)
+def test_a_wheel_taken_along_by_a_one_way_clutch(amplitude, tolerance, until, points, steps):
+    """It takes the shaft's peak speed at once and keeps it, at every communication point: the kink of the clutch lies between
+    two of them."""
+    peak, body = 2 * np.pi * amplitude, {"mass": 1.0, "inertia": [0.01, 0.01, 0.01]}
+    swing = {"harmonic": {"amplitude": amplitude, "frequency": 1.0}}
+    one_way = {"table": {"speed": [-10, -0.01, 0, 0.01, 10], "effort": [-1000, -1, 0, 0, 0]}}
+    clutch = {"revolute": {}, "between": ["shaft", "wheel"], "start": {"speed": -peak}, "damper": one_way}
+    drive = {"revolute": {}, "between": ["ground", "shaft"], "driver": swing}
+    data = {"name": "clutch", "gravity": [0, 0, 0], "body": {"shaft": body, "wheel": body}, "joint": {"drive": drive, "clutch": clutch}}
+    plan = plans.Plan(np.linspace(0.0, until, points + 1), {})
+    found = run(data, plan, Way(integrator="rk853", tolerance=tolerance, pattern=("equal", steps)))
+    speeds = np.array(found.values)[np.array(found.times) > 0.3, found.names.index("wheel.omega[3]")]
+    assert np.abs(speeds - peak).max() < 2e-4 * peak
+
+
+@pytest.mark.parametrize("integrator", ["rk853", "rk54"])
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-8, 1e-10])
+def test_the_true_error_is_no_more_than_the_sum_of_estimates(integrator, tolerance):
+    """Of an oscillation, whose errors do not grow, at every communication point."""
+    slide = {"prismatic": {}, "between": ["ground", "a"], "start": {"position": 1.0, "speed": 0.3}, "spring": {"stiffness": 1.0}}
+    body = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}
+    data = {"name": "o", "gravity": [0, 0, 0], "body": {"a": body}, "joint": {"j": slide}, "solver": {"output": ["estimated_error"]}}
+    plan = plans.Plan(np.linspace(0.0, 6.0, 7), {})
+    found = run(data, plan, Way(integrator=integrator, tolerance=tolerance, pattern=("equal", 40)))
+    told = dict(zip(found.names, np.array(found.values).T))
+    t, off = np.array(found.times), []
+
+    for name, a, b in (("j.position", 1.0, 0.3), ("j.speed", 0.3, -1.0)):
+        right = a * np.cos(t) + b * np.sin(t)
+        off.append((told[name] - right) / (1.0 + np.abs(right)))
+
+    assert np.all(np.sqrt(np.mean(np.square(off), axis=0)) <= 1.3 * told["solver.estimated_error"] + 1e-15)
+
+
 # commanded motion
 
 GROUND = {"name": "over a ground", "gravity": [0.0, 0.0, 0.0], "ground": {"motion": {"input": ["position", "velocity"]}}}
