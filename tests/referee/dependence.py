@@ -77,15 +77,17 @@ def told(model):
                 v.name, f"{xml.get('causality')} in {real.get('unit')}; the model: {v.causality} in {v.unit}"
             )
 
-    unknowns = {
-        int(u.get("index")) - 1: u.get("dependencies") for u in root.findall("ModelStructure/Outputs/Unknown")
-    }
     n_u = len(model.of_causality("input"))
 
-    for k, v in enumerate(model.of_causality("output"), n_u):
-        if k not in unknowns:
-            wrong(v.name, "not among the outputs of ModelStructure")
-        elif unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != set(v.depends):
-            wrong(v.name, f"depends on {unknowns[k]!r}; the model: {sorted(v.depends)}")
+    for section, listed in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
+        unknowns = {
+            int(u.get("index")) - 1: u.get("dependencies") for u in root.findall(f"ModelStructure/{section}/Unknown")
+        }
+
+        for k, v in enumerate(model.of_causality("output"), n_u):
+            if k not in unknowns:
+                wrong(v.name, f"not among the {section} of ModelStructure")
+            elif unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != set(getattr(v, listed)):
+                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted(getattr(v, listed))}")
 
     return found

@@ -42,7 +42,8 @@ ELSEWHERE = {
         "loop refused for it"
     ),
     "a gap that is no number is none": (
-        "of what starts from absurd values the state is checked once more, and outputs: nothing else comes of it"
+        "needs places whose sums overflow, starts of 1e308 m, which no scene holds; and then the state and the "
+        "outputs, which are looked at by themselves, are refused all the same"
     ),
 }
 

@@ -51,7 +51,8 @@ class Way:
         from its bytes), "reset", "second" (beside another instance of the same library that does otherwise),
         "teased" (a master does in mid-run what none should), "untouched" (no parameter is set to what it is).
     interpreted : kernels as plain Python, in a process of their own.
-    exact : no inner step goes across a communication point, so nothing is read off between inner steps.
+    exact : no inner step goes across a communication point, so nothing is read off between inner steps, where
+        there are inputs.
     plain : with the scene's own outputs, not all there are.
     kick : seed of small changes of the state at every communication point, which tell how much an error grows.
     evaluations : as many as a communication step may cost. seconds :
