@@ -15,6 +15,7 @@ import numpy as np
 from rich.console import Group
 from rich.table import Column, Table
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.files import replacing
 from mbdfmi.kernels import entry
@@ -22,7 +23,6 @@ from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.instance import Instance, explain
-from mbdfmi.scene import Scene
 
 from .machine import machine
 from .markdown import table as markdown_table

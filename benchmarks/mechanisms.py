@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.scene import Scene
+from mbdfmi import Scene
 
 GRAVITY = (0.0, 0.0, -9.81)
 AXES = "xyz"

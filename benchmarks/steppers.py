@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.follow import follow
 from mbdfmi.run.instance import Instance, explain
-from mbdfmi.scene import Scene, SceneError
+from mbdfmi.scene import SceneError
 
 from .contests import Cannot, Setting
 from .problems import MOTION_SIZE, Problem

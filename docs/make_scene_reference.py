@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from mbdfmi.scene import Scene, fields, schema
+from mbdfmi.scene import fields, schema
 from mbdfmi.scene.fields import Part
 
 FOLDER = Path(__file__).parent
@@ -32,7 +32,7 @@ KINDS = {
 def reference() -> str:
     """The whole page (Markdown)."""
     lines = [(FOLDER / "scene_introduction.md").read_text(encoding="utf-8").rstrip()]
-    seen, waiting = [], [Scene]
+    seen, waiting = [], [schema.SceneData]
 
     # one section for each table, those of the file first, then what is in them
     while waiting:
@@ -72,7 +72,7 @@ def _section(cls):
 
 def _title(cls):
     """A class's name in words: "Spherical start"."""
-    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", cls.__name__).capitalize()
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", cls.__name__.removesuffix("Data")).capitalize()
 
 
 def _link(cls):

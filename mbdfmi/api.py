@@ -10,7 +10,7 @@ from . import scene as _scene
 from .scene.fields import adopted, given
 
 
-class Scene(_scene.Scene):
+class Scene(_scene.SceneData):
     """A multibody scene that can be simulated, exported and looked at.
 
     Made by `load`, or as `Scene(name=..., body={...}, joint={...})` with the keys of a scene file. Raises

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces, rates, tree
 from mbdfmi.run.instance import Instance
-from mbdfmi.scene import Scene
 
 KINDS = ("revolute", "prismatic", "spherical", "free", "fixed")
 AXES = ("first", "heading", "body")

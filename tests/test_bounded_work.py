@@ -8,10 +8,9 @@ from test_closed_forms import bars
 from test_integrate import instance_of
 
 import mbdfmi
-from mbdfmi import SceneError
+from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
-from mbdfmi.scene import Scene
 
 MODELS = Path(__file__).parent.parent / "models"
 ALL = ["rk4", "ros2", "gauss", "rk54", "rk853", "radau", "auto"]

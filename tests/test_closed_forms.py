@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 from benchmarks.problem_files import problem_file
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance
-from mbdfmi.scene import Scene
 
 TIGHT = {"tolerance": 1e-14}
 POSE = ["position", "euler_parameters", "omega_body"]

@@ -5,11 +5,12 @@ import pytest
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from benchmarks.problem_files import problem_file
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import constraints, contacts, curves, joints, rows, surfaces, tree
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene, SceneError
+from mbdfmi.scene import SceneError
 
 SOLVER = {"integrator": "rk853", "tolerance": 1e-12}
 SEED = 3

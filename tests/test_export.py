@@ -15,11 +15,12 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 from numba import types
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import aot, description, export_fmu, package
 from mbdfmi.export.link import library
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene, read_scene
+from mbdfmi.scene import read_scene
 from mbdfmi.units import UNITS
 
 SCENES = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))

@@ -5,11 +5,11 @@ import pytest
 from scenes import assert_near, energies, evaluate, rows, velocities
 from scipy.special import ellipk
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import forces
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene
 
 TIGHT = {"tolerance": 1e-12}
 

@@ -6,9 +6,9 @@ from numpy.polynomial import Polynomial
 from scenes import assert_near, random_scene
 from test_closed_forms import bars, reference
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
-from mbdfmi.scene import Scene
 
 LOOSE = 1e30
 

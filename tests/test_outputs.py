@@ -7,11 +7,12 @@ from hypothesis import given
 from referee.independent import System
 from scenes import assert_near, examples, inputs_of, random_instance, trees
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene, fmi_name
+from mbdfmi.scene import fmi_name
 
 REACTIONS = ["reaction_force", "reaction_moment"]
 SOLVER = {"tolerance": 1e-12}

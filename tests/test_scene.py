@@ -8,16 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.scene import (
-    Body,
-    Marker,
-    Revolute,
-    Scene,
-    SceneError,
-    fmi_name,
-    read_scene,
-    write_scene,
-)
+from mbdfmi import Scene
+from mbdfmi.scene import Body, Marker, Revolute, SceneError, fmi_name, read_scene, write_scene
 
 ARM = """
 name    = "two_link_arm"

@@ -12,7 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from mbdfmi.scene import Scene, SceneError, parse_scene, read_scene
+from mbdfmi import Scene
+from mbdfmi.scene import SceneError, parse_scene, read_scene
 
 # no numpy warning either: NaN and overflow must not get that far
 pytestmark = pytest.mark.filterwarnings("error")

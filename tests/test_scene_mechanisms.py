@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from mbdfmi.scene import Scene
+from mbdfmi import Scene
 
 
 def scene_of(**tables):

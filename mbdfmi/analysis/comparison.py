@@ -19,7 +19,7 @@ from ..run.inputs import known, numbers
 from ..run.instance import Instance, SimulationError, explain
 from ..run.results import Results
 from ..run.simulate import communication_points
-from ..scene import Scene, Solver, variable_name
+from ..scene import SceneData, Solver, variable_name
 from ..scene.fields import LARGEST_TOLERANCE, LEAST_TOLERANCE
 from ..scene.schema import ADAPTIVE, FIXED_STEP
 
@@ -193,7 +193,7 @@ class Comparison:
 
 
 def compare_steppers(
-    scene: Scene,
+    scene: SceneData,
     until: float,
     step: float | None = None,
     inputs: Mapping[str, float] | None = None,

@@ -19,7 +19,7 @@ from ..kernels.status import OK
 from ..run.inputs import known
 from ..run.instance import Instance, SimulationError, explain
 from ..run.results import Results
-from ..scene import Scene, variable_name
+from ..scene import SceneData, variable_name
 from ..scene.errors import listed
 from .driven import check_freedoms, driven_parts, started, undriven
 from .mechanism import Mechanism
@@ -38,7 +38,7 @@ TOLERANCE = 1e-9
 
 
 def inverse(
-    scene: Scene,
+    scene: SceneData,
     motion: str | Path | Mapping[str, float | np.ndarray | Callable[[float], float]],
     times: np.ndarray | None = None,
     drive: list[str] | None = None,

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from ..kernels import coordinates, layout, outputs, tables
 from ..kernels.joints import KINDS, N_Q, N_V
-from ..scene import Problem, Scene
+from ..scene import Problem, SceneData
 from .interpolation import curve
 from .start import coupled_angles
 from .topology import Tree, axes_with_z, chain
@@ -51,7 +51,7 @@ class Builder:
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
     """
 
-    def __init__(self, scene: Scene, tree: Tree, embeds: bool, start_angles=None):
+    def __init__(self, scene: SceneData, tree: Tree, embeds: bool, start_angles=None):
         self.scene = scene
         self.embeds = embeds
         self.tree = tree

@@ -13,7 +13,7 @@ import numpy as np
 from ..kernels import integrate, layout, outputs
 from ..kernels.commands import N_DERIVATIVE
 from ..kernels.views import DataView, ModelView
-from ..scene import Scene
+from ..scene import SceneData
 from .absolute import add_absolute_starts, start_motion
 from .bodies import (
     add_bodies,
@@ -52,7 +52,7 @@ class Model:
     notices : what a user should be told of the scene, and of what was made of it.
     """
 
-    scene: Scene
+    scene: SceneData
     name: str
     identifier: str
     title: str
@@ -89,7 +89,7 @@ class Model:
         return [v for v in self.variables if v.causality == causality]
 
 
-def compile_scene(scene: Scene, first=()) -> Model:
+def compile_scene(scene: SceneData, first=()) -> Model:
     """The model of a scene; `first`: joints that are in its tree before all others.
 
     Raises SceneError where its parts do not form what the kernels can do.

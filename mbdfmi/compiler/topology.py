@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..scene import Scene, SceneError
+from ..scene import SceneData, SceneError
 from ..scene.errors import Problem
 from ..vectors import dot, norm
 
@@ -71,19 +71,19 @@ class Tree:
     home: dict[str, tuple[int, tuple]]
     cuts: list[str]
 
-    def marker(self, scene: Scene, name: str):
+    def marker(self, scene: SceneData, name: str):
         """(node, pose in the node) of "body", "body.marker", "ground" or "ground.marker"."""
         body, position, axes = scene.marker_pose(name)
         node, pose = self.home[body]
         return node, compose(pose, (position, axes))
 
-    def joint_side(self, scene: Scene, name: str, side: int, turn):
+    def joint_side(self, scene: SceneData, name: str, side: int, turn):
         """(node, pose in the node) of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""
         node, (r, A) = self.marker(scene, scene.joint[name].between[side])
         return node, (r, dot(A, turn))
 
 
-def spanning_tree(scene: Scene, first=()) -> Tree:
+def spanning_tree(scene: SceneData, first=()) -> Tree:
     """The spanning tree that leaves the fewest coordinates: joints of few freedoms are in it, those of many close loops.
 
     Joints with a given start are kept in the tree before others, then those with something of their own (spring, input, output, ...).
@@ -144,7 +144,7 @@ def spanning_tree(scene: Scene, first=()) -> Tree:
     return tree
 
 
-def absolute_tree(tree: Tree, scene: Scene) -> Tree:
+def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
     """The tree of absolute coordinates: every node with bodies hangs on the ground by a free joint, every joint is a constraint.
 
     The nodes' frames stay those of `tree`.

@@ -1,4 +1,7 @@
-"""What a user writes: the scene, its schema, reader, checks, and messages that name the place."""
+"""What a user writes: the data of a scene, its schema, reader, checks, and messages that name the place.
+
+A user meets them as `mbdfmi.Scene`, which can also be run and exported.
+"""
 
 from .bodies import Body, Ground, GroundMarker, Marker
 from .constraints import (
@@ -29,7 +32,7 @@ from .joints import (
 from .measures import Measure
 from .names import fmi_name, variable_name
 from .reader import parse_scene, read_scene
-from .schema import Scene, Solver
+from .schema import SceneData, Solver
 from .writer import write_scene
 
 __all__ = [
@@ -37,7 +40,7 @@ __all__ = [
     "Free", "Gear", "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "LinearCoupling",
     "Load", "Marker", "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane",
     "PointOnSurface", "Prismatic", "Problem", "Rack", "Revolute", "RollingDisk", "RollingSphere",
-    "Scene", "SceneError", "Screw", "ScrewCoupling", "Solver", "Spherical", "SpringDamper",
+    "SceneData", "SceneError", "Screw", "ScrewCoupling", "Solver", "Spherical", "SpringDamper",
     "Translation", "Universal", "fmi_name", "parse_scene", "read_scene", "variable_name",
     "write_scene",
 ]

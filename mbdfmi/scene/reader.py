@@ -5,13 +5,13 @@ import re
 import tomllib
 
 from .errors import Problem, SceneError, show
-from .schema import Scene
+from .schema import SceneData
 
 
-def read_scene(path, kind=Scene):
+def read_scene(path, kind=SceneData):
     """Read a scene from a TOML file.
 
-    path : str or path-like. Returns a `Scene`, or a class of `kind`.
+    path : str or path-like. Returns a scene of the class `kind`.
     Raises SceneError, with the file's name and all that is wrong in it, for whatever goes wrong.
     """
     path = os.fspath(path)
@@ -30,7 +30,7 @@ def read_scene(path, kind=Scene):
     raise SceneError([Problem((), text)], file=path)
 
 
-def parse_scene(data, file=None, kind=Scene):
+def parse_scene(data, file=None, kind=SceneData):
     """A scene from the bytes of a TOML file, with the name that messages give the file, or None.
 
     Raises SceneError with all that is wrong.

@@ -10,7 +10,8 @@ A key is the path to it without the names that a user gives: `body.marker.output
 import typing
 from collections import Counter
 
-from mbdfmi.scene import Scene, fields
+from mbdfmi import Scene
+from mbdfmi.scene import fields
 from mbdfmi.scene.fields import Part
 
 LEAST = 20

@@ -9,10 +9,11 @@ import tomllib
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mbdfmi import Scene
 from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
-from mbdfmi.scene import Scene, SceneError, fmi_name
+from mbdfmi.scene import SceneError, fmi_name
 
 from .findings import Finding
 from .independent import reading

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.scene import Scene
 
 from . import compare, exactness, laws, starts, verdicts
 from . import plan as plans

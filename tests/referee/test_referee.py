@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from mutants.undone import UNDONE
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.language import INTERPRETED
 from mbdfmi.run.instance import Instance
-from mbdfmi.scene import Scene
 
 from . import commands, compare, dependence, draws, files, laws, masters, mended, route, starts
 from . import plan as plans

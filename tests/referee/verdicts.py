@@ -8,8 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from mbdfmi import Scene
 from mbdfmi.run.instance import Instance, SimulationError
-from mbdfmi.scene import Scene, SceneError
+from mbdfmi.scene import SceneError
 
 from . import commands, compare, dependence, draws, exactness, laws, route, starts
 from . import plan as plans

@@ -17,10 +17,11 @@ import numpy as np
 from fmu_host import OK, WARNING, Library
 from fmu_host import Instance as Component
 
+from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
-from mbdfmi.scene import Scene, SceneError, fmi_name
+from mbdfmi.scene import SceneError, fmi_name
 
 from .masters import tease
 from .plan import N_DERIVATIVE, dice, pieces
