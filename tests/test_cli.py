@@ -68,7 +68,7 @@ def fmu(tmp_path_factory):
 # what works
 
 
-@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"]])
+@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"]])
 def test_help(command, arguments, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     status, printed, _ = command(*arguments, "--help")
