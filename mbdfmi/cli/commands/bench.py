@@ -25,11 +25,12 @@ def add(commands):
         run,
         "bench",
         "find the best stepper for a scene",
-        """Your scene is run with every stepper: those that choose their step with tolerances from 1e-4 to
-1e-11, those of fixed step with 1, 1/4, 1/16 ... 1/1024 of the communication step. The error of a run is
-the largest difference of any output at any communication point from a reference run of the tightest
-tolerance, by the largest value of that output; the reference is checked by a second one. So ask in
-the scene for the outputs that matter to you, and choose --until so that the motion is typical.
+        """Your scene is run with every stepper: those that choose their step with tolerances from
+1e-4 to 1e-11, those of fixed step with 1, 1/4, 1/16 ... 1/1024 of the communication step. The
+error of a run is the largest difference of any output at any communication point from a reference
+run of the tightest tolerance, by the largest value of that output; the reference is checked by a
+second one. So ask in the scene for the outputs that matter to you, and choose --until so that the
+motion is typical.
 
 CPU time is that of this machine, of steps and outputs alone. A run with ">" is not beaten by any
 other in both error and time: choose among those. Then write into the scene what suits you:
@@ -41,9 +42,9 @@ other in both error and time: choose among those. Then write into the scene what
 A fixed step does the same work in every communication step, as real time asks for. For what
 100 and more periods do to energy, look at the outputs total_energy and at a long --until.""",
         """examples:
-  mbdfmi bench crane.toml --until 10                             the table, and the best choices in words
-  mbdfmi bench crane.toml --until 10 --plot bench.png            error against CPU time, as a picture
-  mbdfmi bench crane.toml --until 10 --step 0.01                 as a master would that calls every 10 ms
+  mbdfmi bench crane.toml --until 10                      the table, and the best choices in words
+  mbdfmi bench crane.toml --until 10 --plot bench.png     error against CPU time, as a picture
+  mbdfmi bench crane.toml --until 10 --step 0.01          as of a master that calls every 10 ms
   mbdfmi bench crane.toml --until 10 --stepper rk54 --stepper radau --csv bench.csv""",
     )
     command.add_argument("scene", **SCENE)
