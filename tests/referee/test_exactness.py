@@ -164,3 +164,14 @@ def test_what_is_a_little_off_must_be_less_so_with_a_smaller_tolerance(monkeypat
         assert converges(0.001, 10.0, way)
         assert not converges(0.05, 10.0, way)
         assert not converges(0.001, 1e4, way)
+
+
+def test_a_stop_tells_nothing_where_the_motion_is_wild():
+    units = {"arm.angle": "rad", "arm.power": "W"}
+    far, kicked = (told(units, [[1.0, 0.0], [1.0, 0.0], [x, 0.0]]) for x in (2.0, 2.5))
+    reference = compare.Reference(far, [kicked], units, Exactness())
+    other = told(units, [[1.0, 0.0], [1.0, 0.0], [1.5, 300.0]])
+    sooner = told(units, [[1.0, 9.0], [1.0, 0.0], [2.0, 0.0]])
+    assert len(compare.near(reference, other, Count())) == 1
+    assert compare.near(reference, other, Count(), kinked=True) == []
+    assert len(compare.near(reference, sooner, Count(), kinked=True)) == 1

@@ -21,10 +21,6 @@ LIGHT = 1e-5  # parts of the heaviest
 
 SPENT = "max_evaluations"
 
-# steps may pass over a jump of a force with an error that their estimate does not see: so many times as much
-# is allowed there
-OF_KINKS = 30.0
-
 # up to so many times what is allowed a way may be off, if a tolerance smaller by SMALLER or a quarter of the step
 # leaves less than the part LESS of it
 UNSURE = 50.0
@@ -149,7 +145,6 @@ def _reference(data, plan, ways):
 def _near(data, plan, ways, runs, of, verdict):
     # what hangs on a drive whose speed jumps goes on as each formulation and step has it
     until = min([of.exact.until, *(t for t in laws.jumps(data) if t > 0.0)])
-    safety = OF_KINKS if kinked(data) else 1.0
 
     for k, other in enumerate(runs):
         # a speed that jumps gives no impulse: how the motion goes on is a matter of the formulation
@@ -162,7 +157,7 @@ def _near(data, plan, ways, runs, of, verdict):
             continue
 
         half = [run(data, plan, way) for way in ways.halved[k]] if k in ways.halved else None
-        found = compare.near(of, other, verdict.count, half, until=until, safety=safety)
+        found = compare.near(of, other, verdict.count, half, until=until, kinked=kinked(data))
         verdict.findings += [f for f in found if not _converges(data, plan, other.way, f, verdict.count)]
 
         # who stops where the reference goes on
