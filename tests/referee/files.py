@@ -7,6 +7,8 @@ import stat
 import threading
 
 from mbdfmi.cli import main
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.simulate import simulate
 
 from .findings import Finding
 
@@ -22,7 +24,7 @@ OTHER_KINDS = {
 
 def used(scene, folder):
     """Findings where commands do not treat files as users must be able to expect. folder : an empty one."""
-    path = folder / "scene.toml"
+    path = folder / "scene"
     path.write_text(scene.to_toml(), encoding="utf-8")
     table = folder / "table.csv"
     found = [] if not _simulate(path, table) else [_finding("a table is not written")]
@@ -32,7 +34,7 @@ def used(scene, folder):
         found.append(_finding("a table has another number of lines than communication points"))
 
     found += [
-        _finding(text) for text in (*_kept(path, folder), *_through(path, folder, wanted), *_no_scene(folder))
+        _finding(text) for text in (*_kept(path, folder), *_through(scene, path, folder, wanted), *_no_scene(folder))
     ]
     return found
 
@@ -40,10 +42,10 @@ def used(scene, folder):
 def _kept(path, folder):
     """A scene that is read stays; so does what promises another format."""
     before = path.read_bytes()
-    os.link(path, folder / "again.toml")
+    os.link(path, folder / "again.csv")
     (folder / "link.csv").symlink_to(path)
 
-    for name in ("scene.toml", "again.toml", "link.csv"):
+    for name in ("scene", "again.csv", "link.csv"):
         if not _simulate(path, folder / name) or path.read_bytes() != before:
             yield f"the scene that is read is written over, as {name}"
             path.write_bytes(before)
@@ -53,7 +55,7 @@ def _kept(path, folder):
             yield f"a table is written into {name}"
 
 
-def _through(path, folder, wanted):
+def _through(scene, path, folder, wanted):
     """A table goes over an old one, where a link points, into a pipe."""
     (folder / "far").mkdir()
     far, near, pipe = folder / "far" / "table.csv", folder / "near.csv", folder / "pipe"
@@ -62,6 +64,12 @@ def _through(path, folder, wanted):
 
     if _simulate(path, near) or not near.is_symlink() or far.read_bytes() != wanted:
         yield "a table is not written where a link points"
+
+    far.write_text("old")
+    simulate(compile_scene(scene), float(UNTIL), float(STEP)).to_csv(near)
+
+    if not near.is_symlink() or far.read_bytes() != wanted:
+        yield "results are not written where a link points"
 
     os.mkfifo(pipe)
     read = []
