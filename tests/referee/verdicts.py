@@ -256,8 +256,11 @@ def _dependence(model, plan, findings):
 
 
 def _starts_elsewhere(data, run, of):
-    """Whether a run starts elsewhere than the reference, where that is told or,
+    """Whether a run of another formulation starts elsewhere than the reference, where that is told or,
     in absolute coordinates, where inputs command motions: their starts are found before."""
+    if run.way.formulation == of.run.way.formulation:
+        return False
+
     if starts.moved(run) != starts.moved(of.run):
         return True
 
