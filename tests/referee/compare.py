@@ -37,6 +37,9 @@ LOOSE = 0.1
 ORDERS = {"rk4": 4, "ros2": 2, "gauss": 8}
 HALVING = 20.0
 
+# where things are: whether a stop is touched, a joint sticks, hangs on these
+PLACES = (".position", ".angle", ".angles", ".distance", ".length")
+
 # told of the work done, by formulations in their own way, or bounded by a law of its own
 APART = ("solver.", "multipliers", "constraint_gap", "constraint_rate")
 
@@ -183,7 +186,8 @@ def near(reference, run, count, halved=None, twin=None, until=np.inf, kinked=Fal
         loose = ~(allowed <= LOOSE * reference.size[g])
         parts.append((names, mine[theirs], wanted, off, allowed, loose))
 
-    wild = kinked and np.any([loose for *_, loose in parts], axis=0)
+    places = [loose for names, *_, loose in parts if names[0].partition("[")[0].endswith(PLACES)]
+    wild = kinked and np.any([np.zeros(len(theirs), bool), *places], axis=0)
     return _worst(reference, run, twin, theirs, parts, wild, count)
 
 
