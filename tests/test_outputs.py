@@ -526,6 +526,36 @@ def test_outputs_depend_on_what_they_feel_at_once(everything_model):
     assert depends["ja.reaction_force[1]"] == (0,) and depends["jb.reaction_force[3]"] == (1,)
 
 
+def test_a_force_carries_prescribed_motion_across():
+    """What an input leads pulls at once at what a spring hangs on it, not at what a force input pushes beyond."""
+    scene = {
+        "name": "pull",
+        "body": {name: {"mass": 1, "inertia": [0, 0, 0]} for name in ("a", "b", "c")},
+        "joint": {
+            "ja": {"prismatic": {}, "driver": {"input": ["position"]}},
+            "jb": {"prismatic": {}, "input": "force", "start": {"position": 1}},
+            "jc": {"prismatic": {}, "start": {"position": 3}},
+        },
+        "force": {
+            "ab": {"spring_damper": {"stiffness": 10}, "between": ["a", "b"]},
+            "bc": {"spring_damper": {"stiffness": 10}, "between": ["b", "c"]},
+        },
+    }
+    for name, joint in scene["joint"].items():
+        joint |= {"between": ["ground", name[1]], "output": ["position", "acceleration"]}
+
+    model = compile_scene(Scene.model_validate(scene))
+    command, force = (v.index for v in model.of_causality("input"))
+    depends = {v.name: v.depends for v in model.of_causality("output")}
+    assert depends["ja.position"] == (command,) and depends["jb.position"] == ()
+    assert depends["jb.acceleration"] == (command, force)
+    assert force not in depends["jc.acceleration"] and command not in depends["jc.position"]
+    instance = Instance(model, inputs={command: 0.0, force: 0.0})
+    before = named_outputs(instance)["jb.acceleration"]
+    instance.u[command] = 0.1
+    assert abs(named_outputs(instance)["jb.acceleration"] - before) > 0.5
+
+
 def test_a_reaction_tells_what_its_dependencies_say(everything_model):
     """Outputs without dependencies do not change with the inputs, the others do (all but what is zero by nature)."""
     instance = Instance(everything_model)

@@ -41,6 +41,7 @@ class Builder:
     drive_of : node -> its drive; driven_cuts : joint outside the tree -> its drive.
     joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
+    force_nodes : nodes between which force elements act.
     notices : what a user should be told of what was made of the scene.
     names : what messages call other things than nodes and constraints.
     starts : (array, index) of a start value that is a parameter -> its node.
@@ -64,6 +65,7 @@ class Builder:
         self.counts = {}
         self.constraint_names = []
         self.constraint_nodes = []
+        self.force_nodes = []
         self.joint_constraints = {}
         self.drive_of = {}
         self.driven_cuts = {}
@@ -290,17 +292,19 @@ class Builder:
             Variable(name, "parameter", variability, start, unit, about + guess * self._guess(array, k), offset[array] + k)
             for name, variability, start, unit, about, (array, k) in self.parameters
         ]
-        island = self._islands()
+        island = self._islands(self.constraint_nodes)
+        reach = self._islands(self.constraint_nodes + self.force_nodes)
         results = []
 
         for fields, nodes, kind, fed_by in self.outputs:
-            here = {island[i] for i in nodes}
-
-            # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it
+            # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it;
+            # what moves an island changes the forces between it and others
+            accelerates = kind in outputs.ACCELERATES
             depends = tuple(
                 k
                 for k, (_, at, moves) in enumerate(self.inputs)
-                if k in fed_by or (here & {island[i] for i in at} and (moves or kind in outputs.ACCELERATES))
+                if k in fed_by
+                or ((moves or accelerates) and _meet(reach if moves and accelerates else island, nodes, at))
             )
 
             initial = (*depends, *range(first, first + len(parameters)))
@@ -308,8 +312,8 @@ class Builder:
 
         return [*inputs, *results, *parameters]
 
-    def _islands(self):
-        """For each node the number of its island: what joints and constraints hold together, the ground left out."""
+    def _islands(self, groups):
+        """For each node the number of its island: what joints and groups of nodes hold together, the ground left out."""
         leader = list(range(len(self.nodes)))
 
         def find(i):
@@ -319,14 +323,18 @@ class Builder:
             return i
 
         links = [(i, node.parent) for i, node in enumerate(self.nodes)]
-        links += [pair for nodes in self.constraint_nodes for pair in itertools.pairwise(nodes)]
+        moving = [[i for i in nodes if i > 0] for nodes in [*links, *groups]]
 
-        for i, j in links:
-            if i > 0 and j > 0:
-                leader[find(i)] = find(j)
+        for i, j in (pair for nodes in moving for pair in itertools.pairwise(nodes)):
+            leader[find(i)] = find(j)
 
         return [find(i) for i in range(len(self.nodes))]
 
     def marker_node(self, k):
         """Node of marker k."""
         return int(self.tables["n_marker"].columns["marker_body"][k][0])
+
+
+def _meet(island, nodes, others):
+    """Whether some of two sets of nodes are on one island."""
+    return not {island[i] for i in nodes}.isdisjoint(island[i] for i in others)

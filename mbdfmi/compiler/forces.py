@@ -35,6 +35,7 @@ def add_forces(builder):
     """All force elements of the scene."""
     for name, force in builder.scene.force.items():
         ends = [builder.marker(end) for end in force.between]
+        builder.force_nodes.append([builder.marker_node(end) for end in ends])
 
         if force.kind == "linear":
             spec = force.linear
