@@ -14,7 +14,6 @@ from .holding import POSITION, VELOCITY
 from .language import apart, inlined, kernel
 from .project import (
     close_gaps,
-    exchange_rows,
     factor_for_velocities,
     keep_x,
     largest,
@@ -669,7 +668,7 @@ def find_redundant(m, d):
             for row in range(m.n_row):
                 d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
 
-            exchange_rows(m, d)
+            dynamics.exchange_rows(m, d)
 
             if undriven and stir(m, d) == OK:
                 see_stuck(m, d, 1.0)

@@ -39,6 +39,9 @@ NOISE = 1e-14
 # a row that adds less than this to the rows before it gives its place to a redundant one that adds more
 WEAK = 1e-3
 
+# likewise in loops that repeat themselves not quite exactly: what a weak row lets stay of their gaps is this much more, squared
+LOOSE_WEAK = 0.1
+
 # of row_redundant: a redundant row that may take another's place
 CANDIDATE = 2.0
 
@@ -410,8 +413,9 @@ def factor_rows(m, d, positional):
                 continue
 
             pivot = factor_row(m, d, c, i)
+            adds = max(least, d.weakest[0]) if d.row_redundant[row] == CANDIDATE else least
 
-            if pivot > least * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
+            if pivot > adds * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
                 d.pivot[row] = 1.0 / pivot
 
 
@@ -434,6 +438,12 @@ def weakest_row(m, d):
 
 
 @inlined
+def weak_share(d):
+    """What a row must add to the rows before it to keep its place."""
+    return LOOSE_WEAK if d.loose[0] > 0.0 else WEAK
+
+
+@inlined
 def has_weak_row(m, d):
     """Whether redundant rows might do better than one of the others."""
     redundant = False
@@ -441,7 +451,7 @@ def has_weak_row(m, d):
     for row in range(m.n_row):
         redundant = redundant or d.row_redundant[row] > 0.0
 
-    return redundant and weakest_row(m, d)[1] <= WEAK
+    return redundant and weakest_row(m, d)[1] <= weak_share(d)
 
 
 @kernel
@@ -460,12 +470,14 @@ def exchange_rows(m, d):
     for attempt in range(redundant):
         weak, share = weakest_row(m, d)
 
-        if share > WEAK:
+        if share > weak_share(d):
             return
 
         for row in range(m.n_row):
             d.row_redundant[row] *= CANDIDATE
 
+        # one that adds less than the weak row does not do better
+        d.weakest[0] = share
         d.row_redundant[weak] = 1.0
         factor_rows(m, d, False)
         dropped = 0

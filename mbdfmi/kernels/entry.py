@@ -52,7 +52,7 @@ def initialise(m, d, t0):
         return notes.tell_open(m, d, failure)
 
     tree.kinematics(m, d)
-    forces.find_slack_lengths(m, d)
+    forces.keep_start_lengths(m, d)
     notes.tell_of_start(m, d)
     return OK
 

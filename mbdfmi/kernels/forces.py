@@ -120,25 +120,23 @@ def strut_motion(m, d, k):
 
 
 @inlined
-def keep_slack_lengths(m, d):
-    """Rest lengths that are told: those of the parameters, but where they are the lengths at the start."""
+def keep_start_lengths(m, d):
+    """Lengths of all struts at the start; needs kinematics of it."""
     for k in range(m.n_strut):
-        if m.strut_slack[k] == 0 or m.strut_rest[k] != m.strut_told[k]:
-            d.slack_length[k] = m.strut_rest[k]
+        d.strut_start[k] = strut_motion(m, d, k)[0]
 
 
 @inlined
-def find_slack_lengths(m, d):
-    """Rest lengths that are the lengths at the start; needs kinematics of it."""
-    for k in range(m.n_strut):
-        if m.strut_slack[k] == 1 and m.strut_rest[k] == m.strut_told[k]:
-            d.slack_length[k] = strut_motion(m, d, k)[0]
+def strut_rest(m, d, k):
+    """Rest length (m) of strut k: where the scene leaves it open and nobody has set it, the length at the start."""
+    slack = m.strut_slack[k] == 1 and m.strut_rest[k] == m.strut_told[k]
+    return d.strut_start[k] if slack else m.strut_rest[k]
 
 
 @inlined
 def strut_tensions(m, d, k, length, rate):
     """Tensions (N) of strut k's spring, damper and input."""
-    spring = spring_effort(m, m.strut_spring_table[k], m.strut_stiffness[k], d.slack_length[k], length)
+    spring = spring_effort(m, m.strut_spring_table[k], m.strut_stiffness[k], strut_rest(m, d, k), length)
     damper = damper_effort(m, m.strut_damper_table[k], m.strut_damping[k], rate)
     return spring, damper, d.input[m.strut_u[k]] if m.strut_u[k] >= 0 else 0.0
 
@@ -377,7 +375,7 @@ def spring_energy(m, d):
     for k in range(m.n_strut):
         span = al.sub(markers.position(m, d, m.strut_to[k]), markers.position(m, d, m.strut_from[k]))
         length = al.norm(span)
-        energy += stored_energy(m, m.strut_spring_table[k], m.strut_stiffness[k], d.slack_length[k], length)
+        energy += stored_energy(m, m.strut_spring_table[k], m.strut_stiffness[k], strut_rest(m, d, k), length)
 
     for k in range(m.n_linear):
         moved, turned, columns = linear_displacement(m, d, k)

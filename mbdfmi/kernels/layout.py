@@ -303,7 +303,7 @@ ARRAYS = (
     Row("lent_known", "state", 1, "n_body", "1: known that what else there is determines how it moves"),
     Row("row_rest", "state", 1, "n_row", "position residual that is none: a coupling's offset, a gap left at the start"),
     Row("row_side", "state", 1, "n_row", "1 or -1: side of its plane on which something rolls"),
-    Row("slack_length", "state", 1, "n_strut", "m, strut_rest, or the length at the start"),
+    Row("strut_start", "state", 1, "n_strut", "m, length at the start"),
     Row("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
     Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
@@ -333,6 +333,7 @@ ARRAYS = (
     Row("weight", "work", 1, "n_v", "kg, kg m2, added to the inertia in a joint by assembly"),
     Row("in_loop", "work", 1, "n_body", "1: the joint is part of a loop that is not just couplings"),
     Row("damping", "work", 1, 1, "part by which the diagonal of C M^-1 C^T is raised by assembly"),
+    Row("weakest", "work", 1, 1, "what a redundant row must add to take the place of another (constraints.exchange_rows)"),
     Row("least_gap", "work", 1, 1, "m, rad, of the attempts to assemble"),
     Row("assembling", "work", 1, 1, "1: positions at the start are being found, which may be far off"),
     Row("stuck", "work", 1, "n_body", "1: cannot move at the start, 2: nor nearby"),

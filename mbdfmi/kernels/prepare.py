@@ -149,7 +149,6 @@ def prepare(m, d):
         al.set_sym3(d.body_I, i, al.sym_add(al.sym3(d.body_I, i), about_origin))
 
     find_lightness(m, d)
-    forces.keep_slack_lengths(m, d)
 
     for k in range(m.n_linear):
         prepare_added_mass(m, d, k)

@@ -243,24 +243,6 @@ def project_velocities(m, d):
         d.x[m.n_q + v] += d.change[v]
 
 
-@inlined
-def exchange_rows(m, d):
-    """Redundant rows take the place of weak ones; where loops repeat themselves not quite exactly, from where they are."""
-    if d.loose[0] == 0.0:
-        dynamics.exchange_rows(m, d)
-        return
-
-    for row in range(m.n_row):
-        d.row_left[row] = d.row_redundant[row]
-
-    dynamics.exchange_rows(m, d)
-
-    for row in range(m.n_row):
-        if d.row_left[row] == 1.0 and d.row_redundant[row] == 0.0:
-            d.row_rest[row] += d.row_gap[row]
-            d.row_gap[row] = 0.0
-
-
 @apart(int64(MODEL, DATA))
 def project(m, d):
     """After an accepted inner step: E to unit length, positions, then velocities onto the constraints. Returns a status.
@@ -276,7 +258,7 @@ def project(m, d):
 
         if failure == OK:
             factor_for_velocities(m, d)
-            exchange_rows(m, d)
+            dynamics.exchange_rows(m, d)
             project_velocities(m, d)
 
     if failure == OK and not is_finite(d, m.n_x):

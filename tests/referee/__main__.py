@@ -5,7 +5,8 @@ import json
 import shlex
 import sys
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 
 from rich.console import Console
@@ -91,9 +92,9 @@ def _judged(seeds, options):
             yield from (one(seed, options, interpreter) for seed in seeds)
         return
 
-    with ProcessPoolExecutor(options.jobs, max_tasks_per_child=100) as pool:
-        for done in as_completed([pool.submit(one, seed, options) for seed in seeds]):
-            yield done.result()
+    # not concurrent.futures: before Python 3.12 its workers may not come back after max_tasks_per_child
+    with get_context("spawn").Pool(options.jobs, maxtasksperchild=100) as pool:
+        yield from pool.imap_unordered(partial(one, options=options), seeds)
 
 
 def _tell(line, options):
