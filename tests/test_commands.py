@@ -96,6 +96,25 @@ def test_polynomials_with_derivatives_of_all_inputs(powers, told, orders):
             assert_allclose(found, [law[i](t + 0.1) for i in range(2)], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize("orders", [0, 1])
+@pytest.mark.parametrize("told", [1, 2, 3])
+def test_steps_as_short_as_rounding_spoil_nothing(told, orders):
+    """Masters make tiny steps at events: the differences of commands over them are rounding, and tell no curvature of the steps
+    after. What is off then is that of a course not known to be curved: x'' H^2 / 2 of the one step, led back in the next."""
+    law = [np.polynomial.Polynomial([0.3, 0.7, 0.5, 1 / 6]).deriv(k) for k in range(4)]
+    run = Run(slider(list(NAMES[:told])))
+    t = 0.0
+
+    for H in (0.1, 0.1, 0.1, 1e-6, 1e-6, 0.1, 1e-8, 1e-8, 0.1, 1e-9, 1e-9, 1e-9, 0.1, 0.1, 0.1, 0.1):
+        for order in range(orders + 1):
+            run.set({COMMANDS[i]: law[i + order](t) for i in range(told)}, order)
+
+        run.step(H)
+        t += H
+        off = [run.get(f"j.{name}") - law[i](t) for i, name in enumerate(NAMES[:2])]
+        assert np.max(np.abs(off)) < (1.0, 0.2, 0.02, 1e-9)[told - 1 + orders], (H, off)
+
+
 @pytest.mark.parametrize("told", [1, 2, 3])
 def test_outputs_are_those_of_the_new_commands(told):
     run = Run(slider(list(NAMES[:told])))

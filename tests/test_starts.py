@@ -408,6 +408,24 @@ def test_hinges_that_lock_a_body_are_told(formulation):
         assert [n for n in instance.notices if "cannot move" in n] == ["a cannot move: its joints leave it 0 degrees of freedom"] * locked
 
 
+@formulations
+def test_a_loop_of_held_joints_moves_nothing_below_it(formulation):
+    """Speeds of all joints in the loop's tree are given: what its rows could move is rounding, and the body it hangs on stays."""
+    last = BLOCK | {"marker": {"one": {"position": [0.438, 0, 0], "axes": {"x": "-x", "y": [0, 0, 1]}}, "two": {"position": [0.438, 0, 1]}}}
+    scene = {
+        "body": {"a": BLOCK, "base": last, "b": BLOCK | {"marker": {"end": {"position": [0, 1, 0]}}}, "c": BLOCK},
+        "joint": {
+            "ball": {"spherical": {}, "between": ["a", "ground"], "start": {"omega_body": {"y": 1.0}}},
+            "free": {"free": {}, "between": ["a", "base"], "output": ["velocity", "omega"]},
+            "one": {"revolute": {}, "between": ["base.one", "b"]},
+            "two": {"revolute": {}, "between": ["b.end", "c"], "start": {"speed": 0.0}},
+            "three": {"revolute": {"axis": "x"}, "between": ["c", "base.two"], "start": {"speed": 0.0}},
+        },
+    }
+    instance, found = start(scene, formulation)
+    assert not instance.notices and np.max(np.abs(list(found.values()))) < 1e-12
+
+
 # loops as CAD writes them
 
 

@@ -303,11 +303,14 @@ def test_vectors_written_in_part_are_looked_at(kind, start, notice):
     "time, position, told",
     [([0, 1, 2], [0, 1, 0], False), ([0.5, 1, 2], [0, 1, 0], True), ([0.5, 1, 2], [0.2, 0.2, 0], False), ([-1, 1, 2], [0, 1, 0], False)],
 )
-def test_a_table_that_begins_to_move_at_once_is_noticed(time, position, told):
-    """Of a joint, and of the ground."""
-    scenes = [pendulum(joint={"driver": {"table": {"time": time, "position": position}}})]
+@pytest.mark.parametrize("interpolation", ["smooth", "cubic", "quintic"])
+def test_a_table_that_begins_to_move_at_once_is_noticed(time, position, told, interpolation):
+    """Of a joint, and of the ground; splines make no stand between two equal points."""
+    told = told or (interpolation != "smooth" and time[0] > 0)
+    table = {"time": time, "interpolation": interpolation}
+    scenes = [pendulum(joint={"driver": {"table": table | {"position": position}}})]
     rows = [[x, 0, 0] for x in position]
-    scenes.append(pendulum(ground={"motion": {"table": {"time": time, "position": rows}}}))
+    scenes.append(pendulum(ground={"motion": {"table": table | {"position": rows}}}))
 
     for scene, place in zip(scenes, ("[joint.j] driver", "[ground] motion")):
         found = [text for text in scene.notices if "the speed jumps" in text]

@@ -43,6 +43,9 @@ LED = 1e-6
 # ratio of two guesses of a curvature where a course is smooth
 ALIKE = 3.0
 
+# part of a command that may be rounding
+ROUNDED = 2e-15
+
 # rad, how near a command that jumped by whole turns must be to where the last ones led
 SAME_ANGLE = 1.0
 
@@ -86,8 +89,18 @@ def highest(m, c):
 
 
 @inlined
+def felt(difference, rounding):
+    """A difference of commands, 0 where it is no more than what rounding makes of them."""
+    return difference if abs(difference) > rounding else 0.0
+
+
+@inlined
 def differences(m, d, c, x):
-    """Divided differences of orders 1 to 4 at the present value x and the last ones, by time."""
+    """(divided differences of orders 1 to 4 at the present value x and the last ones, by time, what rounding may make of the
+    first two).
+
+    After steps much shorter than others the higher ones are rounding over a power of the step: those count as 0.
+    """
     h1 = d.command_steps[0]
     h2 = d.command_steps[1]
     h3 = d.command_steps[2]
@@ -96,14 +109,22 @@ def differences(m, d, c, x):
     x2 = d.command_past[4 * c + 1]
     x3 = d.command_past[4 * c + 2]
     x4 = d.command_past[4 * c + 3]
+    eps = ROUNDED * max(max(abs(x), abs(x1)), max(abs(x2), max(abs(x3), abs(x4))))
     a1 = (x - x1) / h1
     a2 = (x1 - x2) / h2
     a3 = (x2 - x3) / h3
+    of_b1 = (eps / h1 + eps / h2) / (h1 + h2)
+    of_b2 = (eps / h2 + eps / h3) / (h2 + h3)
+    of_b3 = (eps / h3 + eps / h4) / (h3 + h4)
     b1 = (a1 - a2) / (h1 + h2)
     b2 = (a2 - a3) / (h2 + h3)
     b3 = (a3 - (x3 - x4) / h4) / (h3 + h4)
+    of_c1 = (of_b1 + of_b2) / (h1 + h2 + h3)
+    of_c2 = (of_b2 + of_b3) / (h2 + h3 + h4)
     c1 = (b1 - b2) / (h1 + h2 + h3)
-    return a1, b1, c1, (c1 - (b2 - b3) / (h2 + h3 + h4)) / (h1 + h2 + h3 + h4)
+    fourth = (c1 - (b2 - b3) / (h2 + h3 + h4)) / (h1 + h2 + h3 + h4)
+    fourth = felt(fourth, (of_c1 + of_c2) / (h1 + h2 + h3 + h4))
+    return (a1, felt(b1, of_b1), felt(c1, of_c1), fourth), (eps / h1, of_b1)
 
 
 @inlined
@@ -162,8 +183,11 @@ def by_history(d, c, x):
 
 
 @inlined
-def by_slope(m, d, c, x, slope, H, differences):
-    """The same where the master gives the slope alone over a step of H (s), 0: at a point."""
+def by_slope(m, d, c, x, slope, H, differences, rounding):
+    """The same where the master gives the slope alone over a step of H (s), 0: at a point.
+
+    rounding : what it may make of the first two differences.
+    """
     known = d.command_known[0]
     h1 = d.command_steps[0]
     aim = d.command_aim[2 * c]
@@ -175,12 +199,13 @@ def by_slope(m, d, c, x, slope, H, differences):
     missed = x - aim
 
     if H > 0.0 and change != 0.0 and abs(missed) <= LED * abs(change) + 1e-13 * abs(x):
-        second = (slope - differences[0]) / (H + h1)
-        third = (second - differences[1]) / (H + h1 + d.command_steps[1]) if known > 1.0 else 0.0
+        second = felt(slope - differences[0], rounding[0]) / (H + h1)
+        third = felt(second - differences[1], rounding[0] / (H + h1) + rounding[1]) / (H + h1 + d.command_steps[1])
+        third = third if known > 1.0 else 0.0
         return slope - second * H - third * H * h1, second - third * (H - h1), third
 
     # two guesses, which hardly differ unless there was a jump or a corner: those are not carried on
-    second = (slope - differences[0]) / h1
+    second = felt(slope - differences[0], rounding[0]) / h1
     other = missed / (h1 * h1)
     least = min(abs(second), abs(other))
 
@@ -219,8 +244,12 @@ def plan_channel(m, d, c, p, v, x, H):
         told_on = slope != 0.0 or c2 != 0.0 or c3 != 0.0 or c4 != 0.0 or c5 != 0.0
 
         if c2 == 0.0 and c3 == 0.0 and c4 == 0.0 and c5 == 0.0:
-            found = differences(m, d, c, x)
-            slope, c2, c3 = by_slope(m, d, c, x, slope, H, found) if told_on else by_history(d, c, found)
+            found, rounding = differences(m, d, c, x)
+
+            if told_on:
+                slope, c2, c3 = by_slope(m, d, c, x, slope, H, found, rounding)
+            else:
+                slope, c2, c3 = by_history(d, c, found)
 
     for i in range(N_COURSE):
         d.command_course[k + i] = 0.0
@@ -291,7 +320,7 @@ def orientation_told(m, d, k):
     u = m.drive_turn[2 * k + 1]
 
     if kind == TURN_ZYX or kind == TURN_ZYX_OMEGA:
-        return E_of_zyx(al.vec_at(d.u_buffer, u))
+        return al.zyx_E(al.vec_at(d.u_buffer, u))
 
     E = (0.0, 0.0, 0.0, 1.0)
 
@@ -300,15 +329,6 @@ def orientation_told(m, d, k):
 
     length = math.sqrt(al.E_dot(E, E))
     return al.E_scale(1.0 / length, E) if length > 0.0 else (0.0, 0.0, 0.0, 1.0)
-
-
-@inlined
-def E_of_zyx(angles):
-    """Euler parameters of Rz(yaw) Ry(pitch) Rx(roll)."""
-    yaw = (0.0, 0.0, math.sin(0.5 * angles[0]), math.cos(0.5 * angles[0]))
-    pitch = (0.0, math.sin(0.5 * angles[1]), 0.0, math.cos(0.5 * angles[1]))
-    roll = (math.sin(0.5 * angles[2]), 0.0, 0.0, math.cos(0.5 * angles[2]))
-    return al.E_product(al.E_product(yaw, pitch), roll)
 
 
 @inlined
@@ -517,7 +537,7 @@ def rotation_of_zyx(angles, rates, seconds):
     w = al.axpy(rates[2], x, leaning)
     alpha = al.axpy(seconds[1], y, (0.0, 0.0, seconds[0]))
     alpha = al.axpy(seconds[2], x, al.axpy(rates[1], al.cross(turning, y), alpha))
-    return E_of_zyx(angles), w, al.axpy(rates[2], al.cross(leaning, x), alpha)
+    return al.zyx_E(angles), w, al.axpy(rates[2], al.cross(leaning, x), alpha)
 
 
 @inlined
@@ -594,7 +614,7 @@ def see_start(m, d, c):
 
     What bodies feel is what it changed since.
     """
-    found = differences(m, d, c, told(m, d, c, 0))
+    found, _ = differences(m, d, c, told(m, d, c, 0))
     order = best_order(d, c, errors_told(d, found))
 
     if d.command_blind[c] == 2.0 and order > 0:
@@ -708,7 +728,8 @@ def remember(m, d, c, x, H):
     d.command_before[2 * c + 1] = told(m, d, c, 1)
 
     if d.command_known[0] > 0.0:
-        missed = errors_told(d, differences(m, d, c, x))
+        found, _ = differences(m, d, c, x)
+        missed = errors_told(d, found)
 
         for i in range(4):
             d.command_error[k + i] = missed[i] if d.command_known[0] > i else 0.0

@@ -36,6 +36,9 @@ UNEVEN = 1e-3
 # ... or beside what its wrenches could do if they met the joints' axes: then it is hardly more than rounding
 NOISE = 1e-14
 
+# ... or beside what its wrench could do if its two sides did not cancel below a loop: then it is the square of rounding
+CANCELLED = 1e-24
+
 # a row that adds less than this to the rows before it gives its place to a redundant one that adds more
 WEAK = 1e-3
 
@@ -78,6 +81,37 @@ def add_row_size(m, d, row, r, i):
         lever = al.sub(r, al.vec3(d.r, i))
         effort = largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
         d.row_size[row] += effort / d.D[6 * i]
+
+
+@inlined
+def least_pivot(F):
+    """The least of the pivots of a sym_factor."""
+    return min(F[0], min(F[1], F[2]))
+
+
+@inlined
+def pivots(m, d, i):
+    """Least pivots (kg m2, kg) of the articulated inertia about joint i, of turning and of sliding; infinite where it does neither."""
+    kind = m.body_joint[i]
+
+    if d.held[i] > 0.0:
+        return math.inf, math.inf
+
+    if kind == joints.REVOLUTE:
+        return d.D[6 * i], math.inf
+
+    if kind == joints.PRISMATIC:
+        return math.inf, d.D[6 * i]
+
+    return least_pivot(al.sym3(d.D, i)), least_pivot(al.sym3(d.D_M, i)) if kind == joints.FREE else math.inf
+
+
+@inlined
+def noise(m, d, i, r, turning, sliding):
+    """What a row's unit force at r, or unit moment, could do in joint i of these least pivots if the wrenches of its two sides,
+    which cancel below a loop, did not: rounding leaves a part of that."""
+    arm = al.sub(r, al.vec3(d.r, i))
+    return (1.0 + al.dot(arm, arm)) / turning + 1.0 / sliding
 
 
 @inlined
@@ -150,6 +184,11 @@ def reach_rows(m, d, everything):
         body_a = m.marker_body[m.constraint_from[c]]
         body_b = m.marker_body[m.constraint_to[c]]
         r = markers.position(m, d, m.constraint_to[c])
+        d.constraint_noise[c] = 0.0
+
+        for step in range(first, end):
+            turning, sliding = pivots(m, d, m.path_node[step])
+            d.constraint_noise[c] += noise(m, d, m.path_node[step], r, turning, sliding)
 
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
@@ -415,7 +454,9 @@ def factor_rows(m, d, positional):
             pivot = factor_row(m, d, c, i)
             adds = max(least, d.weakest[0]) if d.row_redundant[row] == CANDIDATE else least
 
-            if pivot > adds * row_reference(m, d, row) and pivot > NOISE * d.row_size[row]:
+            least_felt = max(NOISE * d.row_size[row], CANCELLED * d.constraint_noise[c])
+
+            if pivot > adds * row_reference(m, d, row) and pivot > least_felt:
                 d.pivot[row] = 1.0 / pivot
 
 

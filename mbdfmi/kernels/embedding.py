@@ -271,10 +271,45 @@ def add_jacobian(m, d, row, r, i, moment, force):
         i = m.body_parent[i]
 
 
+@inlined
+def least_pivot(m, d, v, n):
+    """Least square of the factor's diagonal elements v to v + n."""
+    least = math.inf
+
+    for k in range(v, v + n):
+        least = min(least, d.mass_matrix[(m.n_v + 1) * k])
+
+    return least * least
+
+
+@inlined
+def pivots(m, d, i):
+    """As `constraints.pivots`, of the joint-space inertia."""
+    kind = m.body_joint[i]
+    v = m.body_v[i]
+
+    if d.held[i] > 0.0:
+        return math.inf, math.inf
+
+    if kind == joints.PRISMATIC:
+        return math.inf, least_pivot(m, d, v, 1)
+
+    slides = 3 if kind == joints.FREE else 0
+    return least_pivot(m, d, v + slides, joints.n_v(kind) - slides), least_pivot(m, d, v, slides)
+
+
 @apart(void(MODEL, DATA, boolean))
 def reach_rows(m, d, everything):
     """Rows of C L^-T, each over all velocity coordinates; redundant ones only with `everything`."""
     n = m.n_v
+
+    for c in range(m.n_constraint):
+        r = markers.position(m, d, m.constraint_to[c])
+        d.constraint_noise[c] = 0.0
+
+        for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
+            turning, sliding = pivots(m, d, m.path_node[step])
+            d.constraint_noise[c] += constraints.noise(m, d, m.path_node[step], r, turning, sliding)
 
     for row in range(m.n_row):
         c = m.row_constraint[row]

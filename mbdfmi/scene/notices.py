@@ -122,12 +122,18 @@ def jumping_speeds(scene):
                 'interpolation = "smooth", or a speed_table, has none of that'
             )
             yield Problem((*path, "interpolation"), text)
-        elif time[0] > 0.0 and any(np.any(row[0] != row[1]) for row in rows):
+        elif time[0] > 0.0 and _begins_to_move(table.interpolation, rows):
             text = (
                 f"stands still until its first point, {show(float(time[0]))} s, and moves from there on: the speed jumps, and what "
-                "hangs on it by joints gets no impulse then; begin at the start of the run, or with two equal points"
+                "hangs on it by joints gets no impulse then; begin at the start of the run, or with two equal points and "
+                'interpolation = "smooth"'
             )
             yield Problem((*path, "time"), text)
+
+
+def _begins_to_move(interpolation, rows):
+    """Whether columns (n,) or (n, k) move at their first point: of two equal ones "smooth" alone makes a stand."""
+    return any(np.any(row[0] != (row[1] if interpolation == "smooth" else row)) for row in rows)
 
 
 RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins, jumping_speeds)
