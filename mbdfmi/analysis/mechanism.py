@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..compiler.model import compile_scene
 from ..compiler.topology import axes_with_z
@@ -92,8 +91,7 @@ class Mechanism:
             kind = m.body_joint[i]
             n = 0 if m.body_drive[i] >= 0 else joints.N_V[kind]
             self.free += range(m.body_v[i], m.body_v[i] + n)
-            linear = {joints.PRISMATIC: 1, joints.FREE: 3}.get(kind, 0)
-            rotates += [k >= linear for k in range(n)]
+            rotates += [k >= joints.N_SLIDE[kind] for k in range(n)]
 
         self.redundant = np.flatnonzero(self.d.row_redundant).tolist()
         tree.kinematics(m, self.d)
@@ -208,19 +206,9 @@ class Mechanism:
 
     def _move(self, change):
         """The positions of the state, moved by small changes (n,) of the free coordinates, SI."""
-        m, d = self.m, self.d
-        v = np.zeros(m.n_v)
-        v[self.free] = change
-
-        for i in range(1, m.n_body):
-            q, k, kind = m.body_q[i], m.body_v[i], m.body_joint[i]
-            linear = {joints.REVOLUTE: 1, joints.PRISMATIC: 1, joints.FREE: 3}.get(kind, 0)
-            d.x[q : q + linear] += v[k : k + linear]
-
-            if kind in (joints.SPHERICAL, joints.FREE):
-                E = d.x[q + linear : q + linear + 4]
-                turn = Rotation.from_rotvec(v[k + linear : k + linear + 3])
-                E[:] = (turn * Rotation.from_quat(E)).as_quat()
+        self.d.change[:] = 0.0
+        self.d.change[self.free] = change
+        project.move_by_change(self.m, self.d, 1.0)
 
     def owner(self, row) -> str:
         """The joint or coupling that a row belongs to."""

@@ -9,6 +9,7 @@ import math
 from .language import inlined
 
 ZERO3 = (0.0, 0.0, 0.0)
+E_IDENTITY = (0.0, 0.0, 0.0, 1.0)
 IDENTITY3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 # a difference that is this small beside what it is the difference of holds no digit
@@ -218,6 +219,28 @@ def sym_is_positive(F):
 
 
 @inlined
+def sym_whiten(F, e):
+    """D^-1/2 L^-1 e with F = sym_factor(S)."""
+    y = e[1] - F[3] * e[0]
+    z = e[2] - F[4] * e[0] - F[5] * y
+    return (e[0] / math.sqrt(F[0]), y / math.sqrt(F[1]), z / math.sqrt(F[2]))
+
+
+@inlined
+def sym_unwhiten(F, w):
+    """L^-T D^-1/2 w: S^-1 e for w = sym_whiten(F, e)."""
+    z = w[2] / math.sqrt(F[2])
+    y = w[1] / math.sqrt(F[1]) - F[5] * z
+    return (w[0] / math.sqrt(F[0]) - F[3] * y - F[4] * z, y, z)
+
+
+@inlined
+def least_pivot(F):
+    """The least of the pivots of F = sym_factor(S)."""
+    return min(F[0], min(F[1], F[2]))
+
+
+@inlined
 def sym_is_regular(S, F, size):
     """True when S, with F = sym_factor(S), is positive definite beyond the rounding of numbers of `size`.
 
@@ -321,7 +344,13 @@ def matrix_E(A):
 @inlined
 def column(A, k):
     """Column k of a matrix."""
-    return (A[0][k], A[1][k], A[2][k])
+    if k == 0:
+        return (A[0][0], A[1][0], A[2][0])
+
+    if k == 1:
+        return (A[0][1], A[1][1], A[2][1])
+
+    return (A[0][2], A[1][2], A[2][2])
 
 
 @inlined

@@ -178,7 +178,7 @@ def travel(m, d, part):
             change = d.x[q + k] - before
 
             # half the angle is the angle between E
-            if kind == joints.PRISMATIC or (kind == joints.FREE and k < 3):
+            if joints.slides(kind, k):
                 change /= m.scene_length[0]
             elif kind != joints.REVOLUTE:
                 change *= 2.0
@@ -381,7 +381,7 @@ def measure(m, d, what):
             if m.body_drive[i] < 0 and (m.v_given[v] // what) % 2 == 1:
                 off = holding.deviation(m, d, i, k, what)
 
-                if what == POSITION and kind != joints.PRISMATIC and not holding.slides(m, i, k) and k % 3 > 0:
+                if what == POSITION and not joints.slides(kind, k) and k % 3 > 0:
                     off = -1.0
 
             d.stage[DEVIATION * m.n_x + v] = off
@@ -410,9 +410,9 @@ def mark(m, d, v, what, value):
         i += 1
 
     d.kept[v] = value
-    turns = m.body_joint[i] == joints.SPHERICAL or (m.body_joint[i] == joints.FREE and v - m.body_v[i] >= 3)
+    kind = m.body_joint[i]
 
-    if what == POSITION and turns:
+    if what == POSITION and joints.turns(kind, v - m.body_v[i]):
         d.kept[v + 1] = value
         d.kept[v + 2] = value
 

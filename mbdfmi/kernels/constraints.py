@@ -50,60 +50,14 @@ CANDIDATE = 2.0
 
 
 @inlined
-def subtract_scaled(d, i, s, U_w, U_r):
-    """Wrench on its way past joint i less s U."""
-    al.add_vec3(d.passed_moment, i, al.scale(-s, U_w))
-    al.add_vec3(d.passed_force, i, al.scale(-s, U_r))
-
-
-@inlined
-def whiten(F, e):
-    """D^-1/2 L^-1 e with F = sym_factor(S)."""
-    y = e[1] - F[3] * e[0]
-    z = e[2] - F[4] * e[0] - F[5] * y
-    return (e[0] / math.sqrt(F[0]), y / math.sqrt(F[1]), z / math.sqrt(F[2]))
-
-
-@inlined
-def unwhiten(F, w):
-    """L^-T D^-1/2 w: S^-1 e for w = whiten(F, e)."""
-    z = w[2] / math.sqrt(F[2])
-    y = w[1] / math.sqrt(F[1]) - F[5] * z
-    return (w[0] / math.sqrt(F[0]) - F[3] * y - F[4] * z, y, z)
-
-
-@inlined
 def add_row_size(m, d, row, r, i):
     """What the wrench on its way past joint i could move there if it met the axis, to row_size. r : m, where its force acts."""
     kind = m.body_joint[i]
 
-    if d.held[i] == 0.0 and (kind == joints.REVOLUTE or kind == joints.PRISMATIC):
+    if d.held[i] == 0.0 and joints.is_one_axis(kind):
         lever = al.sub(r, al.vec3(d.r, i))
-        effort = largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
+        effort = joints.largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
         d.row_size[row] += effort / d.D[6 * i]
-
-
-@inlined
-def least_pivot(F):
-    """The least of the pivots of a sym_factor."""
-    return min(F[0], min(F[1], F[2]))
-
-
-@inlined
-def pivots(m, d, i):
-    """Least pivots (kg m2, kg) of the articulated inertia about joint i, of turning and of sliding; infinite where it does neither."""
-    kind = m.body_joint[i]
-
-    if d.held[i] > 0.0:
-        return math.inf, math.inf
-
-    if kind == joints.REVOLUTE:
-        return d.D[6 * i], math.inf
-
-    if kind == joints.PRISMATIC:
-        return math.inf, d.D[6 * i]
-
-    return least_pivot(al.sym3(d.D, i)), least_pivot(al.sym3(d.D_M, i)) if kind == joints.FREE else math.inf
 
 
 @inlined
@@ -112,47 +66,6 @@ def noise(m, d, i, r, turning, sliding):
     which cancel below a loop, did not: rounding leaves a part of that."""
     arm = al.sub(r, al.vec3(d.r, i))
     return (1.0 + al.dot(arm, arm)) / turning + 1.0 / sliding
-
-
-@inlined
-def pass_joint(m, d, p, i, at, coefficient):
-    """Take a wrench past joint i: its whitened response to p (d.reach, d.white) from `at` on, the rest to the parent.
-
-    `coefficient` is what comes with it as effort in the joint itself (couplings).
-    """
-    kind = m.body_joint[i]
-
-    if d.held[i] > 0.0:
-        for k in range(joints.n_v(kind)):
-            p[at + k] = 0.0
-
-    elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
-        axis = al.vec3(d.axis, i)
-        wrench = al.vec3(d.passed_moment, i) if kind == joints.REVOLUTE else al.vec3(d.passed_force, i)
-        e = coefficient + al.dot(axis, wrench)
-        D = d.D[6 * i]
-        p[at] = e / math.sqrt(D)
-        subtract_scaled(d, i, e / D, al.vec3(d.U_w, i), al.vec3(d.U_r, i))
-
-    elif kind == joints.SPHERICAL:
-        F = al.sym3(d.D, i)
-        e3 = al.vec3(d.passed_moment, i)
-        al.set_vec_at(p, at, whiten(F, e3))
-        al.set_vec3(d.passed_moment, i, al.ZERO3)
-        al.add_vec3(d.passed_force, i, al.neg(al.matT_vec(al.mat3(d.H_a, i), al.sym_solve(F, e3))))
-
-    else:
-        force = al.vec3(d.passed_force, i)
-        left = al.sub(al.vec3(d.passed_moment, i), al.mat_vec(al.mat3(d.N, i), force))
-        al.set_vec_at(p, at, whiten(al.sym3(d.D_M, i), force))
-        al.set_vec_at(p, at + 3, whiten(al.sym3(d.D, i), left))
-        return
-
-    parent = m.body_parent[i]
-    force = al.vec3(d.passed_force, i)
-    moment = al.add(al.vec3(d.passed_moment, i), al.cross(al.vec3(d.arm, i), force))
-    al.add_vec3(d.passed_moment, parent, moment)
-    al.add_vec3(d.passed_force, parent, force)
 
 
 @inlined
@@ -187,7 +100,7 @@ def reach_rows(m, d, everything):
         d.constraint_noise[c] = 0.0
 
         for step in range(first, end):
-            turning, sliding = pivots(m, d, m.path_node[step])
+            turning, sliding = joints.pivots(m, d, m.path_node[step])
             d.constraint_noise[c] += noise(m, d, m.path_node[step], r, turning, sliding)
 
         for k in range(m.constraint_rows[c]):
@@ -221,14 +134,14 @@ def reach_rows(m, d, everything):
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
                 add_row_size(m, d, row, r, i)
-                pass_joint(m, d, d.reach, i, at + m.path_at[step], rows.effort_on(m, row, i))
+                joints.pass_wrench(m, d, d.reach, i, at + m.path_at[step], rows.effort_on(m, row, i))
 
 
 @kernel
 def whiten_wrenches(m, d):
     """Whitened efforts d.white of wrenches on all bodies (passed_moment, passed_force), which are gone then."""
     for i in range(m.n_body - 1, 0, -1):
-        pass_joint(m, d, d.white, i, m.body_v[i], 0.0)
+        joints.pass_wrench(m, d, d.white, i, m.body_v[i], 0.0)
 
 
 @inlined
@@ -286,20 +199,6 @@ def product(m, d, row, other):
             turn += 1
 
     return total
-
-
-@inlined
-def largest_effort(kind, moment, force, lever):
-    """Square of what a wrench could be as effort in a joint of one freedom if it met the axis as well as it can.
-
-    lever : m, from the joint to where the force acts.
-    """
-    square = al.dot(force, force)
-
-    if kind == joints.PRISMATIC:
-        return square
-
-    return al.dot(moment, moment) + square * al.dot(lever, lever)
 
 
 @inlined
@@ -621,44 +520,9 @@ def respond(m, d):
     al.set_vec3(d.change_rdd, 0, al.ZERO3)
 
     for i in range(1, m.n_body):
-        parent = m.body_parent[i]
-        kind = m.body_joint[i]
-        v = m.body_v[i]
-        alpha = al.vec3(d.change_alpha, parent)
-        rdd = al.add(al.vec3(d.change_rdd, parent), al.cross(alpha, al.vec3(d.arm, i)))
-
-        if d.held[i] > 0.0:
-            for k in range(joints.n_v(kind)):
-                d.change[v + k] = 0.0
-
-        elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
-            D = d.D[6 * i]
-            carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
-            rate = d.white[v] / math.sqrt(D) - carried / D
-            d.change[v] = rate
-
-            if kind == joints.REVOLUTE:
-                alpha = al.axpy(rate, al.vec3(d.axis, i), alpha)
-            else:
-                rdd = al.axpy(rate, al.vec3(d.axis, i), rdd)
-
-        elif kind == joints.SPHERICAL:
-            F = al.sym3(d.D, i)
-            turned = unwhiten(F, al.vec_at(d.white, v))
-            turned = al.sub(turned, al.sym_solve(F, al.mat_vec(al.mat3(d.H_a, i), rdd)))
-            al.set_vec_at(d.change, v, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
-            alpha = turned
-
-        else:
-            axes = al.mat3(d.joint_axes, i)
-            turned = unwhiten(al.sym3(d.D, i), al.vec_at(d.white, v + 3))
-            moved = unwhiten(al.sym3(d.D_M, i), al.vec_at(d.white, v))
-            moved = al.sub(moved, al.matT_vec(al.mat3(d.N, i), turned))
-            al.set_vec_at(d.change, v, al.matT_vec(axes, al.sub(moved, rdd)))
-            al.set_vec_at(d.change, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
-            alpha = turned
-            rdd = moved
-
+        alpha = al.vec3(d.change_alpha, m.body_parent[i])
+        rdd = al.add(al.vec3(d.change_rdd, m.body_parent[i]), al.cross(alpha, al.vec3(d.arm, i)))
+        alpha, rdd = joints.respond(m, d, i, alpha, rdd)
         al.set_vec3(d.change_alpha, i, alpha)
         al.set_vec3(d.change_rdd, i, rdd)
 

@@ -45,16 +45,7 @@ def weigh(m, d):
             d.x_scale[contacts.parameter(m, k)] = contacts.LONGITUDE_ALLOWED
 
     for i in range(1, m.n_body):
-        kind = m.body_joint[i]
-        q = m.body_q[i]
-
-        if kind == joints.REVOLUTE:
-            d.x_scale[q] = rotation
-        elif joints.E_offset(kind) >= 0:
-            q += joints.E_offset(kind)
-
-            for k in range(4):
-                d.x_scale[q + k] = rotation
+        joints.weigh(m, d, i, rotation)
 
 
 @inlined

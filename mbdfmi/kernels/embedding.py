@@ -9,7 +9,7 @@ import math
 from numba.types import boolean, int64, void
 
 from . import algebra as al
-from . import constraints, joints, markers, rows, tree, virtual
+from . import constraints, joints, markers, passing, rows, tree, virtual
 from .language import apart, inlined, kernel
 from .status import OK
 from .views import DATA, MODEL
@@ -45,11 +45,11 @@ def factor(m, d):
             return OK
 
         if not d.mass_matrix[n * v + v] >= -al.ROUNDING:
-            return tree.no_inertia(d.mass_matrix[n * v + v], body_of(m, v))
+            return passing.no_inertia(d.mass_matrix[n * v + v], body_of(m, v))
 
         more = lend_to_idle(m, d)
 
-    return tree.no_inertia(0.0, body_of(m, v))
+    return passing.no_inertia(0.0, body_of(m, v))
 
 
 @inlined
@@ -134,15 +134,11 @@ def lend_to_joints(m, d):
         if d.held[i] > 0.0:
             continue
 
-        if kind == joints.SPHERICAL:
-            I = al.sym3(d.I_a, i)
-            size = I[0] + I[1] + I[2]
+        if kind == joints.SPHERICAL and joints.spherical.lacks_inertia(d, i):
+            found = virtual.lend(m, d, i, False) > 0.0 or found
 
-            if size >= 0.0 and not al.sym_is_regular(I, al.sym_factor(I), size):
-                found = virtual.lend(m, d, i, False) > 0.0 or found
-
-        elif kind == joints.FREE and not tree.free_factor(d, i):
-            found = tree.lend_to_free(m, d, i) or found
+        elif kind == joints.FREE and not joints.free.factor(d, i):
+            found = joints.free.lend(m, d, i) or found
 
     return found
 
@@ -263,9 +259,9 @@ def add_jacobian(m, d, row, r, i, moment, force):
             diagonal = d.mass_matrix[n * (v + k) + v + k]
             d.reach[row * n + v + k] += al.dot(S_w, moment) + al.dot(S_r, force)
 
-            if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+            if joints.is_one_axis(kind):
                 lever = al.sub(r, al.vec3(d.r, i))
-                d.row_size[row] += constraints.largest_effort(kind, moment, force, lever) / (diagonal * diagonal)
+                d.row_size[row] += joints.largest_effort(kind, moment, force, lever) / (diagonal * diagonal)
 
         moment = al.add(moment, al.cross(al.vec3(d.arm, i), force))
         i = m.body_parent[i]
@@ -291,10 +287,11 @@ def pivots(m, d, i):
     if d.held[i] > 0.0:
         return math.inf, math.inf
 
-    if kind == joints.PRISMATIC:
-        return math.inf, least_pivot(m, d, v, 1)
+    slides = 0
 
-    slides = 3 if kind == joints.FREE else 0
+    while joints.slides(kind, slides) and slides < joints.n_v(kind):
+        slides += 1
+
     return least_pivot(m, d, v + slides, joints.n_v(kind) - slides), least_pivot(m, d, v, slides)
 
 

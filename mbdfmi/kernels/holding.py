@@ -68,13 +68,6 @@ def hold(m, d):
     return partly
 
 
-@inlined
-def slides(m, i, k):
-    """Whether coordinate k of body i's joint is a length."""
-    kind = m.body_joint[i]
-    return kind == joints.PRISMATIC or (kind == joints.FREE and k < 3)
-
-
 @kernel
 def weigh_parts(m, d):
     """Weights for joints that are kept in part alone."""
@@ -83,7 +76,7 @@ def weigh_parts(m, d):
 
         for k in range(joints.n_v(m.body_joint[i])):
             v = m.body_v[i] + k
-            size = d.body_m[i] if slides(m, i, k) else inertia
+            size = d.body_m[i] if joints.slides(m.body_joint[i], k) else inertia
             d.weight[v] = HEAVY * size if d.kept[v] > 0.0 and d.held[i] == 0.0 else 0.0
 
     d.weighs[0] = PARTS
@@ -100,7 +93,7 @@ def weigh_all(m, d, what):
     for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i])):
             v = m.body_v[i] + k
-            size = mass if slides(m, i, k) else mass * m.scene_length[0] * m.scene_length[0]
+            size = mass if joints.slides(m.body_joint[i], k) else mass * m.scene_length[0] * m.scene_length[0]
             factor = GIVEN if (m.v_given[v] // what) % 2 == 1 else 1.0
             d.weight[v] = UNIFORM * size * (HEAVY if d.kept[v] > 0.0 else factor)
 
@@ -133,7 +126,7 @@ def direction(m, d, i, k):
     reverse = m.body_reversed[i] == 1
     first, second = (A, F) if reverse else (F, A)
 
-    if kind == joints.FREE and k < 3:
+    if joints.slides(kind, k):
         e = al.column(first, k)
 
         if not reverse:
@@ -150,7 +143,7 @@ def add_weights(m, d):
     for i in range(1, m.n_body):
         kind = m.body_joint[i]
 
-        if kind != joints.SPHERICAL and kind != joints.FREE:
+        if joints.E_offset(kind) < 0:
             continue
 
         for k in range(joints.n_v(kind)):
@@ -169,14 +162,14 @@ def put_back(m, d, what):
     for i in range(1, m.n_body):
         kind = m.body_joint[i]
 
-        if d.held[i] > 0.0 or (kind != joints.SPHERICAL and kind != joints.FREE):
+        if d.held[i] > 0.0 or joints.E_offset(kind) < 0:
             continue
 
         for k in range(joints.n_v(kind)):
             v = m.body_v[i] + k
 
             # an orientation is kept as a whole
-            if d.kept[v] == 0.0 or (what == POSITION and not slides(m, i, k) and k % 3 > 0):
+            if d.kept[v] == 0.0 or (what == POSITION and not joints.slides(m.body_joint[i], k) and k % 3 > 0):
                 continue
 
             off = max(off, joints.put_back(m, d, i, k, what == POSITION))
@@ -188,9 +181,9 @@ def put_back(m, d, what):
 def deviation(m, d, i, k, what):
     """How far (rad, rad/s, or parts of the scene's length) coordinate k of body i's joint is from its start value."""
     kind = m.body_joint[i]
-    scale = 1.0 / m.scene_length[0] if slides(m, i, k) else 1.0
+    scale = 1.0 / m.scene_length[0] if joints.slides(m.body_joint[i], k) else 1.0
 
-    if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
+    if joints.is_one_axis(kind):
         if what == POSITION:
             return scale * abs(d.x[m.body_q[i]] - m.q_start[m.body_q[i]])
 

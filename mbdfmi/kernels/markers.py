@@ -72,7 +72,7 @@ def E(m, d, k):
     i = m.marker_body[k]
 
     while i > 0:
-        turned = al.E_product(joints.joint_E(m, d, i), turned)
+        turned = al.E_product(joints.relative_E(m, d, i), turned)
         turned = al.E_product(al.matrix_E(al.mat3(m.body_A, i)), turned)
         i = m.body_parent[i]
 

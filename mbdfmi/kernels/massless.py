@@ -170,7 +170,7 @@ def is_determined(m, d, i):
 
     for k in range(joints.n_v(kind)):
         rate = push_joint(m, d, i, k)
-        turns = kind == joints.SPHERICAL or (kind == joints.FREE and k >= 3)
+        turns = joints.turns(kind, k)
         lent = max(d.lent_inertia[i], d.lent_mass[i])
 
         # held by constraints

@@ -5,7 +5,7 @@ import math
 from numba.types import float64, int64
 
 from . import algebra as al
-from . import constraints, contacts, coordinates, drives, dynamics, holding, joints, rows, tree
+from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
 from .language import apart, inlined, kernel
 from .rates import is_finite
 from .status import LOOP_OPEN, NOT_FINITE, OK, status
@@ -41,32 +41,11 @@ def unit_E(m, d):
             al.set_E_at(d.x, k, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
 
 
-@inlined
+@kernel
 def move_by_change(m, d, factor):
     """Positions moved along d.change, as if it were v for a time `factor`."""
     for i in range(1, m.n_body):
-        kind = m.body_joint[i]
-        q = m.body_q[i]
-        v = m.body_v[i]
-
-        if kind == joints.REVOLUTE or kind == joints.PRISMATIC:
-            d.x[q] += factor * d.change[v]
-            continue
-
-        if kind == joints.FREE:
-            moved = al.axpy(factor, al.vec_at(d.change, v), al.vec_at(d.x, q))
-            al.set_vec_at(d.x, q, moved)
-
-        k = joints.E_offset(kind)
-
-        if k < 0:
-            continue
-
-        E = al.E_at(d.x, q + k)
-        turn = al.scale(factor, al.vec_at(d.change, v + k))
-        rate = al.E_rate(E, turn)
-        E = (E[0] + rate[0], E[1] + rate[1], E[2] + rate[2], E[3] + rate[3])
-        al.set_E_at(d.x, q + k, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
+        joints.retract(m, d, i, factor)
 
 
 @inlined
@@ -132,7 +111,7 @@ def step_size(m, d, starting):
     for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i])):
             change = abs(d.change[m.body_v[i] + k])
-            slides = holding.slides(m, i, k)
+            slides = joints.slides(m.body_joint[i], k)
             change *= 0.1 / m.scene_length[0] if slides else d.in_loop[i]
 
             if not change <= size:

@@ -12,10 +12,10 @@ Indices: i body, parent its parent.
 
 from numba.types import int64, void
 
-from . import added_mass, holding, joints, virtual
+from . import added_mass, holding, joints, passing, virtual
 from . import algebra as al
 from .language import apart, inlined, kernel
-from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
+from .status import OK
 from .views import DATA, MODEL
 
 
@@ -96,45 +96,6 @@ def inertia_blocks(m, d, i):
 
 
 @inlined
-def add_shifted_inertia(d, parent, r, I, H, M):
-    """Add the inertia (I, H, M) of a child at arm r to the parent's I_a, H_a, M_a.
-
-    [I H; H^T M] seen from the parent: K = H + r~ M, I' = I + r~ H^T - K r~ (entry ij: I_ij + (r x H_j)_i + (r x K_i)_j).
-    """
-    M_rows = al.mat_of_sym(M)
-    rM = (
-        al.sub(al.scale(r[1], M_rows[2]), al.scale(r[2], M_rows[1])),
-        al.sub(al.scale(r[2], M_rows[0]), al.scale(r[0], M_rows[2])),
-        al.sub(al.scale(r[0], M_rows[1]), al.scale(r[1], M_rows[0])),
-    )
-    K = al.mat_add(H, rM)
-    rH_0 = al.cross(r, H[0])
-    rH_1 = al.cross(r, H[1])
-    rH_2 = al.cross(r, H[2])
-    rK_0 = al.cross(r, K[0])
-    rK_1 = al.cross(r, K[1])
-    rK_2 = al.cross(r, K[2])
-    shifted = (
-        I[0] + rH_0[0] + rK_0[0],
-        I[1] + rH_1[1] + rK_1[1],
-        I[2] + rH_2[2] + rK_2[2],
-        I[3] + rH_1[0] + rK_0[1],
-        I[4] + rH_2[0] + rK_0[2],
-        I[5] + rH_2[1] + rK_1[2],
-    )
-    al.set_sym3(d.I_a, parent, al.sym_add(al.sym3(d.I_a, parent), shifted))
-    al.set_mat3(d.H_a, parent, al.mat_add(al.mat3(d.H_a, parent), K))
-    al.set_sym3(d.M_a, parent, al.sym_add(al.sym3(d.M_a, parent), M))
-
-
-@inlined
-def add_shifted_wrench(d, parent, r, moment, force):
-    """Add a child's bias wrench at arm r to the parent's."""
-    al.add_vec3(d.bias_moment, parent, al.add(moment, al.cross(r, force)))
-    al.add_vec3(d.bias_force, parent, force)
-
-
-@inlined
 def start_articulated(m, d):
     """I_a, H_a, M_a of every body alone."""
     for i in range(1, m.n_body):
@@ -150,186 +111,23 @@ def start_articulated(m, d):
         holding.add_weights(m, d)
 
 
-@inlined
-def free_factor(d, i):
-    """Factor the 6x6 inertia of a body on a free joint: D_M of M, N = H M^-1, D of I - N H^T. True when positive."""
-    I = al.sym3(d.I_a, i)
-    H = al.mat3(d.H_a, i)
-    F_M = al.sym_factor(al.sym3(d.M_a, i))
-    N = (al.sym_solve(F_M, H[0]), al.sym_solve(F_M, H[1]), al.sym_solve(F_M, H[2]))
-    reduced = (
-        I[0] - al.dot(H[0], N[0]),
-        I[1] - al.dot(H[1], N[1]),
-        I[2] - al.dot(H[2], N[2]),
-        I[3] - al.dot(H[0], N[1]),
-        I[4] - al.dot(H[0], N[2]),
-        I[5] - al.dot(H[1], N[2]),
-    )
-    F_I = al.sym_factor(reduced)
-    left = reduced[0] > al.ROUNDING * I[0] and reduced[1] > al.ROUNDING * I[1] and reduced[2] > al.ROUNDING * I[2]
-    al.set_sym3(d.D_M, i, F_M)
-    al.set_mat3(d.N, i, N)
-    al.set_sym3(d.D, i, F_I)
-    return left and al.sym_is_positive(F_M) and al.sym_is_regular(reduced, F_I, I[0] + I[1] + I[2])
-
-
-@kernel
-def lend_to_free(m, d, i):
-    """What a body on a free joint lacks of mass and inertia is lent to it. True when free_factor finds enough then."""
-    M = al.sym3(d.M_a, i)
-
-    if not al.sym_is_positive(al.sym_factor(M)) and M[0] + M[1] + M[2] >= 0.0:
-        virtual.lend(m, d, i, True)
-
-        if free_factor(d, i):
-            return True
-
-    I = al.sym3(d.I_a, i)
-
-    if I[0] + I[1] + I[2] >= 0.0:
-        virtual.lend(m, d, i, False)
-
-    return free_factor(d, i)
-
-
-@inlined
-def lacks(D, most):
-    """Whether D is nothing but rounding of numbers of the size of `most`: no inertia, but no negative one either."""
-    return abs(D) <= 100.0 * al.ROUNDING * most
-
-
-@inlined
-def no_inertia(D, i):
-    """Status where the inertia D about body i's joint is not positive: a NaN comes from elsewhere."""
-    return status(SINGULAR_INERTIA, i) if D == D else status(NOT_FINITE, 0)
-
-
 @apart(int64(MODEL, DATA))
 def aba(m, d):
     """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
 
     Needs kinematics, inertias, the applied wrenches (moment, force) and joint efforts tau (Featherstone
-    2008, table 7.1). For a spherical joint S^T I_a S is the whole rotational block, so only a mass at the
-    joint is passed on; a free joint passes on its effort alone.
+    2008, table 7.1).
     """
     start_articulated(m, d)
 
     # articulated inertias and bias wrenches, leaves to root
     for i in range(m.n_body - 1, 0, -1):
-        parent = m.body_parent[i]
-        kind = m.body_joint[i]
-        v = m.body_v[i]
-        I = al.sym3(d.I_a, i)
-        H = al.mat3(d.H_a, i)
-        M = al.sym3(d.M_a, i)
         moment = al.sub(al.vec3(d.bias_moment, i), al.vec3(d.moment, i))
         force = al.sub(al.vec3(d.bias_force, i), al.vec3(d.force, i))
-        arm = al.vec3(d.arm, i)
-        bias_w = al.vec3(d.bias_w, i)
-        bias_r = al.vec3(d.bias_r, i)
+        failure = joints.articulate(m, d, i, moment, force)
 
-        if d.held[i] > 0.0:
-            # its acceleration is known and part of the bias: the joint is rigid
-            moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
-            force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
-
-            if parent > 0:
-                add_shifted_inertia(d, parent, arm, I, H, M)
-                add_shifted_wrench(d, parent, arm, moment, force)
-
-        elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
-            axis = al.vec3(d.axis, i)
-
-            if kind == joints.REVOLUTE:
-                U_w = al.sym_vec(I, axis)
-                U_r = al.matT_vec(H, axis)
-                D = al.dot(axis, U_w)
-                effort = d.tau[v] - al.dot(axis, moment)
-                most = I[0] + I[1] + I[2]
-            else:
-                U_w = al.mat_vec(H, axis)
-                U_r = al.sym_vec(M, axis)
-                D = al.dot(axis, U_r)
-                effort = d.tau[v] - al.dot(axis, force)
-                most = M[0] + M[1] + M[2]
-
-            if not D > al.ROUNDING * most:
-                more = virtual.lend(m, d, i, kind == joints.PRISMATIC) if lacks(D, most) else 0.0
-
-                if more == 0.0:
-                    return no_inertia(d.I_a[6 * i], i)
-
-                D += more
-                I = al.sym3(d.I_a, i)
-                M = al.sym3(d.M_a, i)
-
-                if kind == joints.REVOLUTE:
-                    U_w = al.axpy(more, axis, U_w)
-                else:
-                    U_r = al.axpy(more, axis, U_r)
-
-            D += d.weight[v]
-            al.set_vec3(d.U_w, i, U_w)
-            al.set_vec3(d.U_r, i, U_r)
-            d.D[6 * i] = D
-            d.effort[3 * i] = effort
-
-            if parent > 0:
-                # the bias on the whole inertia, which is known before D, less what the joint gives way
-                left = effort - al.dot(U_w, bias_w) - al.dot(U_r, bias_r)
-                W_w = al.scale(1.0 / D, U_w)
-                W_r = al.scale(1.0 / D, U_r)
-                moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
-                moment = al.axpy(left, W_w, moment)
-                force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
-                force = al.axpy(left, W_r, force)
-                I = al.sym_sub(I, al.sym_outer(1.0 / D, U_w))
-                H = al.mat_sub(H, al.outer(W_w, U_r))
-                M = al.sym_sub(M, al.sym_outer(1.0 / D, U_r))
-                add_shifted_inertia(d, parent, arm, I, H, M)
-                add_shifted_wrench(d, parent, arm, moment, force)
-
-        elif kind == joints.SPHERICAL:
-            torque = al.mat_vec(al.mat3(d.A, i), al.vec_at(d.tau, v))
-            effort3 = al.sub(torque, moment)
-            F = al.sym_factor(I)
-            size = I[0] + I[1] + I[2]
-
-            if not al.sym_is_regular(I, F, size):
-                if not (size >= 0.0 and virtual.lend(m, d, i, False) > 0.0):
-                    return no_inertia(size, i)
-
-                I = al.sym3(d.I_a, i)
-                F = al.sym_factor(I)
-
-                if not al.sym_is_positive(F):
-                    return no_inertia(size, i)
-
-            al.set_sym3(d.D, i, F)
-            al.set_vec3(d.effort, i, effort3)
-
-            if parent > 0:
-                H_T = al.transpose(H)
-                N = al.transpose((al.sym_solve(F, H_T[0]), al.sym_solve(F, H_T[1]), al.sym_solve(F, H_T[2])))
-                M = al.sym_sub(M, al.sym_of_mat(al.mat_mat(H_T, N)))
-                force = al.add(force, al.sym_vec(M, bias_r))
-                force = al.add(force, al.matT_vec(N, effort3))
-                zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-                add_shifted_inertia(d, parent, arm, zero, (al.ZERO3, al.ZERO3, al.ZERO3), M)
-                add_shifted_wrench(d, parent, arm, torque, force)
-
-        else:
-            F_axes = al.mat3(d.joint_axes, i)
-            push = al.mat_vec(F_axes, al.vec_at(d.tau, v))
-            torque = al.mat_vec(al.mat3(d.A, i), al.vec_at(d.tau, v + 3))
-            al.set_vec3(d.U_w, i, al.sub(torque, moment))
-            al.set_vec3(d.U_r, i, al.sub(push, force))
-
-            if not free_factor(d, i) and not lend_to_free(m, d, i):
-                return no_inertia(d.I_a[6 * i], i)
-
-            if parent > 0:
-                add_shifted_wrench(d, parent, arm, torque, push)
+        if failure != OK:
+            return failure
 
     # accelerations, root to leaves
     al.set_vec3(d.alpha, 0, al.ZERO3)
@@ -337,43 +135,11 @@ def aba(m, d):
 
     for i in range(1, m.n_body):
         parent = m.body_parent[i]
-        kind = m.body_joint[i]
-        v = m.n_q + m.body_v[i]
         alpha_parent = al.vec3(d.alpha, parent)
         alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
         rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
         rdd = al.add(rdd, al.vec3(d.bias_r, i))
-
-        if d.held[i] > 0.0:
-            pass
-
-        elif kind == joints.REVOLUTE or kind == joints.PRISMATIC:
-            carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
-            rate = (d.effort[3 * i] - carried) * (1.0 / d.D[6 * i])  # the division does not wait for the parent
-            d.x_rate[v] = rate
-
-            if kind == joints.REVOLUTE:
-                alpha = al.axpy(rate, al.vec3(d.axis, i), alpha)
-            else:
-                rdd = al.axpy(rate, al.vec3(d.axis, i), rdd)
-
-        elif kind == joints.SPHERICAL:
-            left = al.sub(al.vec3(d.effort, i), al.mat_vec(al.mat3(d.H_a, i), rdd))
-            turned = al.sym_solve(al.sym3(d.D, i), left)
-            al.set_vec_at(d.x_rate, v, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
-            alpha = turned
-
-        else:
-            N = al.mat3(d.N, i)
-            force = al.vec3(d.U_r, i)
-            turned = al.sym_solve(al.sym3(d.D, i), al.sub(al.vec3(d.U_w, i), al.mat_vec(N, force)))
-            moved = al.sub(al.sym_solve(al.sym3(d.D_M, i), force), al.matT_vec(N, turned))
-            F_axes = al.mat3(d.joint_axes, i)
-            al.set_vec_at(d.x_rate, v, al.matT_vec(F_axes, al.sub(moved, rdd)))
-            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
-            alpha = turned
-            rdd = moved
-
+        alpha, rdd = joints.accelerate(m, d, i, alpha, rdd)
         al.set_vec3(d.alpha, i, alpha)
         al.set_vec3(d.rdd, i, rdd)
 
@@ -384,12 +150,8 @@ def aba(m, d):
 def read_pivots(m, d, p):
     """The pivots of the joints' inertias that aba has left, to p[n_v]; 1 where joints are held."""
     for i in range(1, m.n_body):
-        kind = m.body_joint[i]
-
-        for k in range(joints.n_v(kind)):
-            slides = kind == joints.FREE and k < 3
-            pivot = d.D_M[6 * i + k] if slides else d.D[6 * i + k % 3]
-            p[m.body_v[i] + k] = 1.0 if d.held[i] > 0.0 else pivot
+        for k in range(joints.n_v(m.body_joint[i])):
+            p[m.body_v[i] + k] = 1.0 if d.held[i] > 0.0 else joints.pivot(m, d, i, k)
 
 
 @kernel
@@ -436,7 +198,7 @@ def joint_wrenches(m, d):
     for i in range(m.n_body - 1, 0, -1):
         if m.body_parent[i] > 0:
             moment = al.vec3(d.bias_moment, i)
-            add_shifted_wrench(d, m.body_parent[i], al.vec3(d.arm, i), moment, al.vec3(d.bias_force, i))
+            passing.add_wrench(d, m.body_parent[i], al.vec3(d.arm, i), moment, al.vec3(d.bias_force, i))
 
 
 @kernel
@@ -472,7 +234,7 @@ def crba(m, d, mass_matrix):
         M = al.sym3(d.M_a, i)
 
         if m.body_parent[i] > 0:
-            add_shifted_inertia(d, m.body_parent[i], al.vec3(d.arm, i), I, H, M)
+            passing.add_inertia(d, m.body_parent[i], al.vec3(d.arm, i), I, H, M)
 
         for k in range(joints.n_v(m.body_joint[i])):
             S_w, S_r = joints.subspace(m, d, i, k)
@@ -494,7 +256,7 @@ def crba(m, d, mass_matrix):
 
     if d.weighs[0] > 0.0:
         for i in range(1, m.n_body):
-            if m.body_joint[i] == joints.REVOLUTE or m.body_joint[i] == joints.PRISMATIC:
+            if joints.is_one_axis(m.body_joint[i]):
                 mass_matrix[(m.n_v + 1) * m.body_v[i]] += d.weight[m.body_v[i]]
 
 
