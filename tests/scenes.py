@@ -246,7 +246,7 @@ def energies(instance: Instance) -> tuple[float, float]:
     m, d = instance.m, instance.d
     tree.kinematics(m, d)
     tree.inertias(m, d)
-    return tree.kinetic_energy(m, d), tree.gravity_energy(m, d) + forces.spring_energy(m, d)
+    return tree.kinetic_energy(m, d), tree.gravity_energy(m, d) + forces.stored_energy(m, d)
 
 
 def rows(array, *shape) -> np.ndarray:

@@ -7,7 +7,7 @@ from scipy.special import ellipk
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces
+from mbdfmi.kernels.forces import friction, loads, struts
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
 
@@ -331,12 +331,12 @@ def test_energy_goes_where_dampers_and_friction_take_it():
         start = np.concatenate([q, v])
         d.x[:] = start
         slope = evaluate(instance)
-        _, stretch, direction, tension = forces.strut(m, d, 0)
-        moment, force = forces.load_wrench(m, d, 0)
+        _, stretch, direction, tension = struts.pull(m, d, 0)
+        moment, force = loads.wrench(m, d, 0)
         w, rd = rows(d.w, 3)[2], rows(d.rd, 3)[2]
         arm = rows(d.A, 3, 3)[2] @ rows(m.marker_r, 3)[m.load_marker[0]]
         rate = np.dot(force, rd + np.cross(w, arm)) + np.dot(moment, w)
-        rate -= np.interp(v[0], x, x**3 + x) * v[0] + forces.friction_effort(m, 0, v[1]) * v[1] + 0.3 * stretch**2
+        rate -= np.interp(v[0], x, x**3 + x) * v[0] + friction.resistance(m, 0, v[1]) * v[1] + 0.3 * stretch**2
 
         # the energy's slope along x'
         h = 1e-3

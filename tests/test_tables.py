@@ -70,7 +70,7 @@ def test_a_spring_is_read_as_it_says_and_goes_on_straight(interpolation):
         assert_near(tables.evaluate(instance.m, 0, at)[0], expected(at), 1e-14)
         instance.d.x[0] = at
         energy = quad(expected, slack, at, points=[p for p in x if min(slack, at) < p < max(slack, at)] or None)[0]
-        assert_near(forces.spring_energy(instance.m, instance.d), energy, 1e-13)
+        assert_near(forces.stored_energy(instance.m, instance.d), energy, 1e-13)
 
 
 tables_of_numbers = st.lists(st.tuples(st.floats(0.01, 10), st.floats(-100, 100)), min_size=2, max_size=8)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..kernels import outputs
-from ..kernels.forces import BODY, FIRST, HEADING
+from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
 from ..vectors import norm
 from .elastic import elastic_table
 from .start import start_pose

@@ -15,8 +15,9 @@ All three keep the energy 1/2 V^T A V + what acts on the body. In `tree` it is p
 from numba.types import void
 
 from . import algebra as al
-from . import forces, markers
-from .forces import BODY, FIRST, HEADING
+from . import markers
+from .forces import six_by_six
+from .forces.six_by_six import BODY, FIRST, HEADING
 from .language import apart, inlined, kernel
 from .views import DATA, MODEL
 
@@ -34,8 +35,8 @@ def axes(m, d, k):
         return al.mat3(d.A, m.marker_body[m.linear_to[k]])
 
     if m.linear_axes[k] == HEADING:
-        moved, turned, columns = forces.linear_displacement(m, d, k)
-        return al.mat_mat(markers.axes(m, d, m.linear_from[k]), forces.turned_axes(m, d, k, turned[2]))
+        moved, turned, columns = six_by_six.displacement(m, d, k)
+        return al.mat_mat(markers.axes(m, d, m.linear_from[k]), six_by_six.turned_axes(m, d, k, turned[2]))
 
     return al.mat3(d.A, m.marker_body[m.linear_from[k]])
 
@@ -124,8 +125,8 @@ def still_bias(m, d, k, I, H, M, w, v):
 def heading(m, d, k):
     """(z axis of force k's first marker, gradient of the yaw psi: psi' = gradient . w), inertial axes."""
     A = markers.axes(m, d, m.linear_from[k])
-    moved, turned, columns = forces.linear_displacement(m, d, k)
-    return (A[0][2], A[1][2], A[2][2]), al.mat_vec(A, forces.moment_of_swing_twist(columns, (0.0, 0.0, 1.0)))
+    moved, turned, columns = six_by_six.displacement(m, d, k)
+    return (A[0][2], A[1][2], A[2][2]), al.mat_vec(A, six_by_six.moment_of_swing_twist(columns, (0.0, 0.0, 1.0)))
 
 
 @inlined

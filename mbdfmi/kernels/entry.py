@@ -24,6 +24,7 @@ from . import (
     tree,
     virtual,
 )
+from .forces import struts
 from .language import inlined, kernel
 from .prepare import prepare
 from .status import BAD_START_ORIENTATION, BAD_STEP, OK, OUTPUT_NOT_FINITE, status
@@ -52,7 +53,7 @@ def initialise(m, d, t0):
         return notes.tell_open(m, d, failure)
 
     tree.kinematics(m, d)
-    forces.keep_start_lengths(m, d)
+    struts.keep_start_lengths(m, d)
     notes.tell_of_start(m, d)
     return OK
 

@@ -121,3 +121,16 @@ def relative_acceleration(m, d, a, b):
     seen = al.sub(velocity(m, d, b), point_velocity(m, d, body_a, r))
     total = al.sub(point_acceleration(m, d, m.marker_body[b], r), point_acceleration(m, d, body_a, r))
     return al.matT_vec(axes(m, d, a), al.sub(total, al.scale(2.0, al.cross(w_a, seen))))
+
+
+@inlined
+def power(m, d, k, moment, force):
+    """Power (W) of a wrench (inertial axes) on marker k's body at the marker's origin."""
+    return al.dot(moment, angular_velocity(m, d, k)) + al.dot(force, velocity(m, d, k))
+
+
+@inlined
+def power_between(m, d, a, b, moment, force):
+    """Power (W) of a wrench (a's axes) on marker b, its reaction on the point of a's body that is there."""
+    turning = al.dot(moment, relative_angular_velocity(m, d, a, b))
+    return turning + al.dot(force, relative_velocity(m, d, a, b))

@@ -6,7 +6,8 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 import math
 
 from . import algebra as al
-from . import contacts, coordinates, forces, gravity, markers, powers, reactions, tree
+from . import contacts, coordinates, forces, markers, reactions, tree
+from .forces import central_gravity, friction, joint_springs, loads, six_by_six, stops, struts
 from .language import inlined, kernel
 
 # of joint coordinate a
@@ -184,15 +185,14 @@ def zyx_rate(m, d, a, b):
 def effort_in_joint(m, d, kind, a):
     """Effort of spring, damper, friction, stop or input a along the coordinate that it acts on."""
     if kind == SPRING_EFFORT or kind == DAMPER_EFFORT:
-        spring, damper = forces.joint_spring_efforts(m, d, a)
+        spring, damper = joint_springs.efforts(m, d, a)
         return spring if kind == SPRING_EFFORT else damper
 
     if kind == FRICTION_EFFORT:
-        return -forces.friction_effort(m, a, coordinates.rate(m, d, m.friction_coordinate[a]))
+        return -friction.resistance(m, a, coordinates.rate(m, d, m.friction_coordinate[a]))
 
     if kind == STOP_EFFORT:
-        c = m.stop_coordinate[a]
-        return -forces.stop_effort(m, a, coordinates.value(m, d, c), coordinates.rate(m, d, c))
+        return -stops.resisted(m, d, a)
 
     return d.input[m.effort_u[a]]
 
@@ -200,8 +200,8 @@ def effort_in_joint(m, d, kind, a):
 @inlined
 def tension_in_strut(m, d, kind, a):
     """Tension of the spring, the damper or the input of strut a."""
-    length, rate, direction = forces.strut_motion(m, d, a)
-    spring, damper, pulled = forces.strut_tensions(m, d, a, length, rate)
+    length, rate, direction = struts.motion(m, d, a)
+    spring, damper, pulled = struts.tensions(m, d, a, length, rate)
     return spring if kind == STRUT_SPRING else (damper if kind == STRUT_DAMPER else pulled)
 
 
@@ -209,14 +209,14 @@ def tension_in_strut(m, d, kind, a):
 def write_linear_output(m, d, kind, a, at, y):
     """An output of linear force a into y from `at` on."""
     if kind == LINEAR_POWER:
-        y[at] = powers.of_linear(m, d, a)
+        y[at] = six_by_six.power_of(m, d, a)
 
     elif kind == LINEAR_ROTATION:
-        moved, turned, columns = forces.linear_displacement(m, d, a)
+        moved, turned, columns = six_by_six.displacement(m, d, a)
         al.set_vec_at(y, at, turned)
 
     else:
-        moment, force = forces.linear_wrench(m, d, a)
+        moment, force = six_by_six.wrench(m, d, a)
         al.set_vec_at(y, at, force if kind == LINEAR_FORCE else moment)
 
 
@@ -250,16 +250,16 @@ def write_scene_output(m, d, kind, at, y):
         al.set_vec_at(y, at, angular)
 
     elif kind == INPUTS_POWER:
-        y[at] = powers.of_inputs(m, d)
+        y[at] = forces.supplied_by_inputs(m, d)
 
     elif kind == LOADS_POWER:
-        y[at] = powers.of_loads(m, d)
+        y[at] = loads.power(m, d)
 
     elif kind == DRIVES_POWER:
-        y[at] = powers.of_drives(m, d)
+        y[at] = reactions.power_of_drives(m, d)
 
     elif kind == DISSIPATED_POWER:
-        y[at] = powers.dissipated(m, d)
+        y[at] = forces.dissipated(m, d)
 
     elif kind == CENTER_OF_MASS:
         al.set_vec_at(y, at, tree.center_of_mass(m, d))
@@ -271,10 +271,10 @@ def write_scene_output(m, d, kind, at, y):
             energy += tree.kinetic_energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != SPRING_ENERGY:
-            energy += tree.gravity_energy(m, d) + gravity.central_energy(m, d)
+            energy += tree.gravity_energy(m, d) + central_gravity.energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != GRAVITY_ENERGY:
-            energy += forces.spring_energy(m, d)
+            energy += forces.stored_energy(m, d)
 
         y[at] = energy
 
@@ -341,7 +341,7 @@ def write_outputs(m, d, y):
             y[at] = z_angle(m, d, a, b)
 
         elif kind == STRUT_LENGTH or kind == STRUT_RATE or kind == STRUT_FORCE:
-            length, rate, direction, tension = forces.strut(m, d, a)
+            length, rate, direction, tension = struts.pull(m, d, a)
             y[at] = length if kind == STRUT_LENGTH else (rate if kind == STRUT_RATE else tension)
 
         elif kind == REACTION_FORCE or kind == REACTION_MOMENT:
@@ -379,16 +379,16 @@ def write_outputs(m, d, y):
             y[at] = tension_in_strut(m, d, kind, a)
 
         elif kind == STRUT_POWER:
-            y[at] = powers.of_strut(m, d, a)
+            y[at] = struts.power_of(m, d, a)
 
         elif LINEAR_FORCE <= kind <= LINEAR_POWER:
             write_linear_output(m, d, kind, a, at, y)
 
         elif kind == LOAD_POWER:
-            y[at] = powers.of_load(m, d, a)
+            y[at] = loads.power_of(m, d, a)
 
         elif kind == JOINT_POWER or kind == DRIVEN_JOINT_POWER:
-            y[at] = powers.of_joint(m, d, a)
+            y[at] = forces.power_along(m, d, a)
 
             if kind == DRIVEN_JOINT_POWER:
                 y[at] += reactions.drive_effort(m, d, a) * coordinates.rate(m, d, a)

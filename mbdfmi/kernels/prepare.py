@@ -3,7 +3,8 @@
 import math
 
 from . import algebra as al
-from . import control, forces
+from . import control
+from .forces import six_by_six
 from .language import inlined, kernel
 from .status import (
     BAD_ABSOLUTE_TOLERANCE,
@@ -50,8 +51,8 @@ def prepare_added_mass(m, d, k):
     H = block(m.linear_added, k, 1, 0)
     I = block(m.linear_added, k, 1, 1)
 
-    if m.linear_axes[k] != forces.HEADING:
-        A = al.mat3(m.marker_A, m.linear_to[k] if m.linear_axes[k] == forces.BODY else m.linear_from[k])
+    if m.linear_axes[k] != six_by_six.HEADING:
+        A = al.mat3(m.marker_A, m.linear_to[k] if m.linear_axes[k] == six_by_six.BODY else m.linear_from[k])
         A_T = al.transpose(A)
         M = al.mat_mat(al.mat_mat(A, M), A_T)
         H = al.mat_mat(al.mat_mat(A, H), A_T)

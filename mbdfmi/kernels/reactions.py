@@ -7,7 +7,7 @@ is applied to them; for one that closes a loop, its rows' wrenches times their m
 """
 
 from . import algebra as al
-from . import coordinates, forces, joints, markers, rows, tree
+from . import coordinates, drives, forces, joints, markers, rows, tree
 from .language import inlined, kernel
 
 
@@ -167,3 +167,24 @@ def drive_effort(m, d, k):
             effort += m.row_value[2 * row] * d.multiplier[row]
 
     return effort
+
+
+@kernel
+def power_of_drives(m, d):
+    """Power (W) of all drives of joints and of what moves the ground; needs find_joint_wrenches."""
+    power = 0.0
+
+    for k in range(m.n_drive):
+        i = m.drive_body[k]
+
+        if i >= 0 and m.drive_kind[k] < drives.GROUND_ACCELERATION:
+            power += held_effort(m, d, i) * d.x[m.n_q + m.body_v[i]]
+        elif i >= 0:
+            power += al.dot(al.vec3(d.bias_moment, i), al.vec3(d.w, i))
+            power += al.dot(al.vec3(d.bias_force, i), al.vec3(d.rd, i))
+
+    for row in range(m.n_row):
+        if m.row_kind[row] == rows.COUPLING and m.row_drive[row] >= 0:
+            power += m.row_value[2 * row] * d.multiplier[row] * coordinates.rate(m, d, m.row_i[row])
+
+    return power

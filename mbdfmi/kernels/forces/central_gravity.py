@@ -1,8 +1,8 @@
 """Central gravity: weight towards the origin of O, -mu r / |r|^3 per mass, at each solid's centre of mass."""
 
-from . import algebra as al
-from . import markers
-from .language import inlined
+from .. import algebra as al
+from .. import markers
+from ..language import inlined
 
 
 @inlined
@@ -14,7 +14,7 @@ def solid_com(m, d, k):
 
 
 @inlined
-def add_central_weight(m, d):
+def add(m, d):
     """Add it to the applied wrenches."""
     for c in range(m.n_central):
         for k in range(m.n_solid):
@@ -29,7 +29,7 @@ def add_central_weight(m, d):
 
 
 @inlined
-def central_energy(m, d):
+def energy(m, d):
     """Its potential energy (J), zero at infinity, of all bodies."""
     energy = 0.0
 
@@ -41,3 +41,21 @@ def central_energy(m, d):
             energy -= m.central_mu[c] * m.solid_mass[k] / al.norm(solid_com(m, d, k))
 
     return energy
+
+
+@inlined
+def power(m, d):
+    """W, on the bodies."""
+    total = 0.0
+
+    for c in range(m.n_central):
+        for k in range(m.n_solid):
+            if m.solid_mass[k] == 0.0:
+                continue
+
+            r = solid_com(m, d, k)
+            distance = al.norm(r)
+            velocity = markers.point_velocity(m, d, m.solid_body[k], r)
+            total -= m.central_mu[c] * m.solid_mass[k] / (distance * distance * distance) * al.dot(r, velocity)
+
+    return total

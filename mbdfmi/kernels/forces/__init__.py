@@ -1,0 +1,77 @@
+"""Force elements, a file each: what acts on the bodies beside their weight and what joins them.
+
+Each has, where it means something, all needing kinematics:
+
+    add         its wrenches and efforts, onto moment, force, tau (which `inertias` began with weight)
+    energy      J, stored
+    power       W, with which it works on the bodies
+    supplied    W of that, from outside, by inputs and loads (of inputs and loads alone: all of their power)
+    dissipated  W, lost
+
+so that power = supplied - dissipated - the rate of the energy, which one test asks of every element. To add one: a file with these,
+its rows in layout.py, a line in each list below (docs/contributing.md).
+"""
+
+from numba.types import void
+
+from .. import coordinates
+from ..language import apart, kernel
+from ..views import DATA, MODEL
+from . import (
+    central_gravity,
+    effort_inputs,
+    friction,
+    joint_springs,
+    loads,
+    six_by_six,
+    stops,
+    struts,
+    wrench_inputs,
+)
+
+
+@apart(void(MODEL, DATA))
+def apply(m, d):
+    """Add all force elements and inputs to tau, moment and force."""
+    for v in range(m.n_v):
+        d.tau[v] = 0.0
+
+    for k in range(m.n_coordinate):
+        d.coordinate_effort[k] = 0.0
+
+    joint_springs.add(m, d)
+    friction.add(m, d)
+    stops.add(m, d)
+    effort_inputs.add(m, d)
+    struts.add(m, d)
+    six_by_six.add(m, d)
+    wrench_inputs.add(m, d)
+    loads.add(m, d)
+    central_gravity.add(m, d)
+
+
+@kernel
+def stored_energy(m, d):
+    """Energy (J) stored in springs, stops and 6x6 forces; that of central gravity is told apart, with the weight's."""
+    return joint_springs.energy(m, d) + stops.energy(m, d) + struts.energy(m, d) + six_by_six.energy(m, d)
+
+
+@kernel
+def supplied_by_inputs(m, d):
+    """Power (W) of all efforts, forces and moments that are inputs."""
+    return effort_inputs.power(m, d) + struts.supplied(m, d) + wrench_inputs.power(m, d)
+
+
+@kernel
+def dissipated(m, d):
+    """Power (W) that is lost in dampers, friction, stops and damping."""
+    power = joint_springs.dissipated(m, d) + friction.dissipated(m, d) + stops.dissipated(m, d)
+    return power + struts.dissipated(m, d) + six_by_six.dissipated(m, d)
+
+
+@kernel
+def power_along(m, d, c):
+    """Power (W) of what acts along joint coordinate c but the drive: springs, dampers, friction, stops, inputs."""
+    effort = joint_springs.effort_along(m, d, c) + friction.effort_along(m, d, c)
+    effort += stops.effort_along(m, d, c) + effort_inputs.effort_along(m, d, c)
+    return effort * coordinates.rate(m, d, c)
