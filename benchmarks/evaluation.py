@@ -15,7 +15,7 @@ from rich.console import Group
 from rich.table import Table
 
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces, rates, tree
+from mbdfmi.kernels import forces, inertia, kinematics, rates
 from mbdfmi.kernels.language import kernel
 from mbdfmi.run.instance import Instance
 
@@ -48,8 +48,8 @@ def evaluate_up_to_aba_times(m, d, n):
     for _ in range(n):
         d.x[0] += 1e-15
         rates.set_time(m, d, 0.0)
-        tree.kinematics(m, d)
-        tree.inertias(m, d)
+        kinematics.kinematics(m, d)
+        inertia.inertias(m, d)
         forces.apply(m, d)
 
 

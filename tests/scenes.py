@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces, rates, tree
+from mbdfmi.kernels import embedding, forces, inertia, inverse, kinematics, rates
 from mbdfmi.run.instance import Instance
 
 KINDS = ("revolute", "prismatic", "spherical", "free", "fixed")
@@ -222,31 +222,31 @@ def velocities(instance: Instance) -> np.ndarray:
 def inverse_dynamics(instance: Instance, accelerations) -> np.ndarray:
     """Joint efforts (n_v,) that RNEA finds for accelerations v' (n_v,), beside the applied wrenches."""
     m, d = instance.m, instance.d
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
+    kinematics.kinematics(m, d)
+    inertia.inertias(m, d)
     forces.apply(m, d)
     d.x_rate[m.n_q :] = accelerations
     tau = np.zeros(m.n_v)
-    tree.rnea(m, d, tau)
+    inverse.rnea(m, d, tau)
     return tau
 
 
 def mass_matrix(instance: Instance) -> np.ndarray:
     """M (n_v, n_v) that CRBA finds."""
     m, d = instance.m, instance.d
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
+    kinematics.kinematics(m, d)
+    inertia.inertias(m, d)
     M = np.empty((m.n_v, m.n_v))
-    tree.crba(m, d, M.ravel())
+    embedding.crba(m, d, M.ravel())
     return M
 
 
 def energies(instance: Instance) -> tuple[float, float]:
     """(kinetic, potential) energy in J of the state now."""
     m, d = instance.m, instance.d
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
-    return tree.kinetic_energy(m, d), tree.gravity_energy(m, d) + forces.stored_energy(m, d)
+    kinematics.kinematics(m, d)
+    inertia.inertias(m, d)
+    return inertia.kinetic_energy(m, d), inertia.gravity_energy(m, d) + forces.stored_energy(m, d)
 
 
 def rows(array, *shape) -> np.ndarray:
@@ -261,7 +261,7 @@ def body_motion(instance: Instance, accelerated: bool = False) -> dict[str, tupl
     m, d = instance.m, instance.d
 
     if not accelerated:
-        tree.kinematics(m, d)
+        kinematics.kinematics(m, d)
 
     motion = {}
 

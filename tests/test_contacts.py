@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 from benchmarks.problem_files import problem_file
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import constraints, contacts, curves, joints, rows, surfaces, tree
+from mbdfmi.kernels import contacts, curves, joints, kinematics, multipliers, rows, surfaces
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import SceneError
@@ -258,7 +258,7 @@ NAMES = [
 
 
 def see(m, d):
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     contacts.find_parameters(m, d)
     rows.write_rows(m, d)
 
@@ -274,7 +274,7 @@ def moved(m, d, x, acceleration, t):
 
             for part in (0.5, 1.0):
                 d.x[:] = y
-                tree.kinematics(m, d)
+                kinematics.kinematics(m, d)
 
                 for i in range(1, m.n_body):
                     joints.position_rates(m, d, i)
@@ -311,8 +311,8 @@ def test_rows_against_differences(contact, shape, end):
     d.x[:] = x
     see(m, d)
     d.x_rate[m.n_q : m.n_q + m.n_v] = acceleration
-    tree.accelerations(m, d)
-    found = [constraints.row_acceleration(m, d, row) for row in range(m.n_row)]
+    kinematics.accelerations(m, d)
+    found = [multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]
     np.testing.assert_allclose(found, by_difference, atol=1e-5 * (1 + np.abs(by_difference).max()))
 
     # g' of any velocities, by differences and by the rows' wrenches

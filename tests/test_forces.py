@@ -7,7 +7,8 @@ from scipy.special import ellipk
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.forces import friction, loads, struts
+from mbdfmi.kernels.forces import friction as dry_friction
+from mbdfmi.kernels.forces import loads, struts
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
 
@@ -336,7 +337,7 @@ def test_energy_goes_where_dampers_and_friction_take_it():
         w, rd = rows(d.w, 3)[2], rows(d.rd, 3)[2]
         arm = rows(d.A, 3, 3)[2] @ rows(m.marker_r, 3)[m.load_marker[0]]
         rate = np.dot(force, rd + np.cross(w, arm)) + np.dot(moment, w)
-        rate -= np.interp(v[0], x, x**3 + x) * v[0] + friction.resistance(m, 0, v[1]) * v[1] + 0.3 * stretch**2
+        rate -= np.interp(v[0], x, x**3 + x) * v[0] + dry_friction.resistance(m, 0, v[1]) * v[1] + 0.3 * stretch**2
 
         # the energy's slope along x'
         h = 1e-3

@@ -15,7 +15,7 @@ import mbdfmi
 from mbdfmi import Scene
 from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import dynamics, forces, tree
+from mbdfmi.kernels import dynamics, forces, inertia, kinematics
 from mbdfmi.run.instance import Instance
 
 ALL_AXES = [0.01] * 3
@@ -124,8 +124,8 @@ def test_efforts_give_the_accelerations_back(seed, n, kinds):
 
     instance = Instance(compile_scene(Scene.model_validate(data)))
     m, d = instance.m, instance.d
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
+    kinematics.kinematics(m, d)
+    inertia.inertias(m, d)
     forces.apply(m, d)
 
     for name, joint in scene.joint.items():

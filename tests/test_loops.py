@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import constraints, joints, project, rows, tree
+from mbdfmi.kernels import joints, kinematics, multipliers, project, rows
 from mbdfmi.run.instance import Instance, SimulationError
 
 FORMULATIONS = ["recursive", "embedding", "augmented"]
@@ -74,7 +74,7 @@ def test_residuals_stay_at_rounding(seed, loops):
         size = max(1.0, np.abs(d.r).max(), np.abs(d.x).max())
         assert np.abs(d.row_gap).max(initial=0.0) < 1e-12 * size
         assert np.abs(d.row_rate).max(initial=0.0) < 1e-11 * size
-        found = [constraints.row_acceleration(m, d, row) for row in range(m.n_row)]
+        found = [multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]
         assert np.abs(found).max(initial=0.0) < 1e-9 * max(size, np.abs(d.x_rate).max())
 
 
@@ -104,8 +104,8 @@ def along(instance, q, v, a, t):
     d.x[: m.n_q] = q + t / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     d.x[m.n_q : m.n_q + m.n_v] = v + a * t
     d.x_rate[m.n_q : m.n_q + m.n_v] = a
-    tree.kinematics(m, d)
-    tree.accelerations(m, d)
+    kinematics.kinematics(m, d)
+    kinematics.accelerations(m, d)
     rows.write_rows(m, d)
     return d.row_gap.copy(), d.row_rate.copy()
 
@@ -117,7 +117,7 @@ def slopes(instance, q, v, a):
     slope = np.array([1, -8, 8, -1]) / (12 * h)
     _, now = along(instance, q, v, a, 0.0)
     m, d = instance.m, instance.d
-    acceleration = [constraints.row_acceleration(m, d, row) for row in range(m.n_row)]
+    acceleration = [multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]
     return (slope @ gap, slope @ rate), (now, np.array(acceleration))
 
 

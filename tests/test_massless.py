@@ -9,7 +9,7 @@ from scenes import assert_near, body_motion, examples
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import constraints, rates
+from mbdfmi.kernels import multipliers, rates
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.instance import Instance, SimulationError
 
@@ -382,7 +382,7 @@ def test_random_mechanisms_move_alike_or_are_all_refused(seed, loops, couplings)
         m, d = instance.m, instance.d
         motion = body_motion(instance, accelerated=True)
         seen.append(np.array([motion[name][5] for name in scene["body"] if scene["body"][name]["mass"]]))
-        assert np.abs([constraints.row_acceleration(m, d, row) for row in range(m.n_row)]).max(initial=0.0) < 1e-8
+        assert np.abs([multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]).max(initial=0.0) < 1e-8
 
     refused = [a is None for a in seen]
     assert all(refused) or not any(refused)

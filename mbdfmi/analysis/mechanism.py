@@ -14,7 +14,7 @@ import numpy as np
 
 from ..compiler.model import compile_scene
 from ..compiler.topology import axes_with_z
-from ..kernels import coordinates, joints, project, rows, tree
+from ..kernels import coordinates, joints, kinematics, project, rows
 from ..kernels.status import OK
 from ..run.instance import Instance
 
@@ -94,7 +94,7 @@ class Mechanism:
             rotates += [k >= joints.N_SLIDE[kind] for k in range(n)]
 
         self.redundant = np.flatnonzero(self.d.row_redundant).tolist()
-        tree.kinematics(m, self.d)
+        kinematics.kinematics(m, self.d)
         self.length = self._length()
         self.units = np.where(rotates, 1.0, self.length) if rotates else np.empty(0)
 
@@ -149,7 +149,7 @@ class Mechanism:
 
     def _look(self):
         """Rates of all rows, twists of all nodes at the velocities of the state."""
-        tree.kinematics(self.m, self.d)
+        kinematics.kinematics(self.m, self.d)
         rows.write_rows(self.m, self.d)
         w, rd = self.d.w.reshape(-1, 3), self.d.rd.reshape(-1, 3)
         return self.d.row_rate.copy(), np.hstack([w, rd])

@@ -9,7 +9,7 @@ import math
 from numba.types import boolean, float64, int64, void
 
 from . import algebra as al
-from . import contacts, coordinates, drives, dynamics, holding, joints, markers, rows, tree
+from . import contacts, coordinates, drives, dynamics, holding, joints, kinematics, markers, rows
 from .holding import POSITION, VELOCITY
 from .language import apart, inlined, kernel
 from .project import (
@@ -540,14 +540,14 @@ def try_velocities(m, d):
     partly = holding.begin(m, d, VELOCITY)
 
     for turn in range(PUT_BACK):
-        tree.kinematics(m, d)
+        kinematics.kinematics(m, d)
         rows.write_rows(m, d)
 
         if dynamics.factor_rows_here(m, d, False) != OK:
             return False
 
         project_velocities(m, d)
-        tree.kinematics(m, d)
+        kinematics.kinematics(m, d)
         rows.write_rows(m, d)
 
         if not rate_left(m, d) <= RATE_ALLOWED * speed:
@@ -603,7 +603,7 @@ def stir(m, d):
         for v in range(m.body_v[i], m.body_v[i] + joints.n_v(m.body_joint[i])):
             d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3) if d.held[i] == 0.0 else 0.0
 
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     rows.write_rows(m, d)
     failure = dynamics.factor_rows_here(m, d, False)
 
@@ -616,7 +616,7 @@ def stir(m, d):
 @kernel
 def see_stuck(m, d, seen):
     """Bodies that do not move in the velocities of d.x: d.stuck is `seen` + 1 for those that were stuck before."""
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     size = 0.0
 
     for v in range(m.n_q, m.n_q + m.n_v):
@@ -686,7 +686,7 @@ def assemble(m, d):
     begin_rows(m, d)
     holding.keep_none(m, d)
     holding.hold(m, d)
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     dynamics.lend_inertia(m, d)
 
     if m.n_row == 0:
@@ -695,7 +695,7 @@ def assemble(m, d):
     rows.start_turns(m, d)
     choose_sides(m, d)
     spread_couplings(m, d)
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     contacts.start(m, d)
     keep_x(m, d)
     d.assembling[0] = 1.0

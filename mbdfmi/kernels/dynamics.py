@@ -4,7 +4,7 @@ import math
 
 from numba.types import boolean, int64, void
 
-from . import constraints, embedding, massless, rows, tree, virtual
+from . import articulated, embedding, inertia, massless, multipliers, rows, virtual
 from .language import apart, inlined, kernel
 from .status import OK
 from .views import DATA, MODEL
@@ -19,8 +19,8 @@ REFINEMENTS = 3
 @inlined
 def reach_and_factor(m, d, positional):
     """Responses of the rows and the factor of C M^-1 C^T."""
-    reach(m, d, constraints.all_matter(m, positional))
-    constraints.factor_rows(m, d, positional)
+    reach(m, d, multipliers.all_matter(m, positional))
+    multipliers.factor_rows(m, d, positional)
 
 
 @inlined
@@ -29,27 +29,27 @@ def reach(m, d, everything):
     if m.embeds == 1:
         embedding.reach_rows(m, d, everything)
     else:
-        constraints.reach_rows(m, d, everything)
+        articulated.reach_rows(m, d, everything)
 
 
 @kernel
 def exchange_rows(m, d):
     """Redundant rows take the place of weak ones; needs factor_rows_here at the same positions."""
-    if constraints.has_weak_row(m, d):
+    if multipliers.has_weak_row(m, d):
         reach(m, d, True)
-        constraints.exchange_rows(m, d)
+        multipliers.exchange_rows(m, d)
 
 
 @apart(void(MODEL, DATA))
 def correct(m, d):
     """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
-    constraints.solve_rows(m, d)
-    constraints.gather_white(m, d)
+    multipliers.solve_rows(m, d)
+    multipliers.gather_white(m, d)
 
     if m.embeds == 1:
         embedding.respond(m, d)
     else:
-        constraints.respond(m, d)
+        articulated.respond(m, d)
 
 
 @apart(int64(MODEL, DATA, boolean))
@@ -58,8 +58,8 @@ def factor_rows_here(m, d, positional):
 
     positional : without rows that are about velocities alone.
     """
-    tree.inertias(m, d)
-    failure = embedding.factor(m, d) if m.embeds == 1 else tree.aba(m, d)
+    inertia.inertias(m, d)
+    failure = embedding.factor(m, d) if m.embeds == 1 else articulated.aba(m, d)
 
     if failure == OK:
         reach_and_factor(m, d, positional)
@@ -76,13 +76,13 @@ def lend_inertia(m, d):
     if not virtual.lend_to_all(m, d, 1.0):
         return
 
-    tree.inertias(m, d)
-    failure = tree.aba(m, d)
-    tree.read_pivots(m, d, d.white)
+    inertia.inertias(m, d)
+    failure = articulated.aba(m, d)
+    articulated.read_pivots(m, d, d.white)
     virtual.lend_to_all(m, d, LESS)
-    tree.inertias(m, d)
-    failure = max(failure, tree.aba(m, d))
-    tree.read_pivots(m, d, d.change)
+    inertia.inertias(m, d)
+    failure = max(failure, articulated.aba(m, d))
+    articulated.read_pivots(m, d, d.change)
     lacking = False
 
     for v in range(m.n_v):
@@ -108,14 +108,14 @@ def refine(m, d):
 
         for row in range(m.n_row):
             d.multiplier_kept[row] = d.multiplier[row]
-            d.row_left[row] = -constraints.row_acceleration(m, d, row)
+            d.row_left[row] = -multipliers.row_acceleration(m, d, row)
             size = max(size, abs(d.row_left[row]) if d.pivot[row] > 0.0 else 0.0)
 
         if not size < 0.1 * size_before:
             return
 
         correct(m, d)
-        constraints.add_changes(m, d)
+        multipliers.add_changes(m, d)
         size_before = size
 
         for row in range(m.n_row):
@@ -128,7 +128,7 @@ def accelerate(m, d):
 
     Needs kinematics, inertias, applied wrenches and efforts.
     """
-    failure = embedding.forward(m, d) if m.embeds == 1 else tree.aba(m, d)
+    failure = embedding.forward(m, d) if m.embeds == 1 else articulated.aba(m, d)
 
     if failure != OK:
         return failure
@@ -139,12 +139,12 @@ def accelerate(m, d):
 
         # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
         for row in range(m.n_row):
-            d.row_left[row] = -constraints.row_acceleration(m, d, row)
+            d.row_left[row] = -multipliers.row_acceleration(m, d, row)
 
         correct(m, d)
-        constraints.add_changes(m, d)
+        multipliers.add_changes(m, d)
 
-        if d.lightness[0] < constraints.UNEVEN:
+        if d.lightness[0] < multipliers.UNEVEN:
             refine(m, d)
 
     return massless.give_back(m, d) if d.lends[0] > 0.0 else OK

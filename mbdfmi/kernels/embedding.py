@@ -9,7 +9,7 @@ import math
 from numba.types import boolean, int64, void
 
 from . import algebra as al
-from . import constraints, joints, markers, passing, rows, tree, virtual
+from . import inertia, inverse, joints, kinematics, markers, multipliers, passing, rows, virtual
 from .language import apart, inlined, kernel
 from .status import OK
 from .views import DATA, MODEL
@@ -19,6 +19,49 @@ MOVES = 1e-6
 
 # pivots that fall below this part of their diagonal elements are looked at more closely
 SUSPECT = 1e-6
+
+
+@kernel
+def crba(m, d, mass_matrix):
+    """Joint-space mass matrix [n_v * n_v], by rows, by composite bodies; needs kinematics and inertias.
+
+    Featherstone 2008, table 6.2.
+    """
+    inertia.start_articulated(m, d)
+
+    for k in range(m.n_v * m.n_v):
+        mass_matrix[k] = 0.0
+
+    for i in range(m.n_body - 1, 0, -1):
+        I = al.sym3(d.I_a, i)
+        H = al.mat3(d.H_a, i)
+        M = al.sym3(d.M_a, i)
+
+        if m.body_parent[i] > 0:
+            passing.add_inertia(d, m.body_parent[i], al.vec3(d.arm, i), I, H, M)
+
+        for k in range(joints.n_v(m.body_joint[i])):
+            S_w, S_r = joints.subspace(m, d, i, k)
+            column = m.body_v[i] + k
+            moment = al.add(al.sym_vec(I, S_w), al.mat_vec(H, S_r))
+            force = al.add(al.matT_vec(H, S_w), al.sym_vec(M, S_r))
+            j = i
+
+            while j > 0:
+                for l in range(joints.n_v(m.body_joint[j])):
+                    T_w, T_r = joints.subspace(m, d, j, l)
+                    row = m.body_v[j] + l
+                    value = al.dot(T_w, moment) + al.dot(T_r, force)
+                    mass_matrix[m.n_v * row + column] = value
+                    mass_matrix[m.n_v * column + row] = value
+
+                moment = al.add(moment, al.cross(al.vec3(d.arm, j), force))
+                j = m.body_parent[j]
+
+    if d.weighs[0] > 0.0:
+        for i in range(1, m.n_body):
+            if joints.is_one_axis(m.body_joint[i]):
+                mass_matrix[(m.n_v + 1) * m.body_v[i]] += d.weight[m.body_v[i]]
 
 
 @apart(int64(MODEL, DATA))
@@ -32,7 +75,7 @@ def factor(m, d):
     v = 0
 
     while more:
-        tree.crba(m, d, d.mass_matrix)
+        crba(m, d, d.mass_matrix)
         more = lend_to_joints(m, d)
 
         if more:
@@ -219,10 +262,10 @@ def forward(m, d):
             d.x_rate[m.n_q + m.body_v[i] + k] = 0.0
 
     if d.lends[0] > 0.0:
-        tree.accelerations(m, d)
+        kinematics.accelerations(m, d)
         virtual.add_bias(m, d)
 
-    tree.rnea(m, d, d.change)
+    inverse.rnea(m, d, d.change)
 
     for v in range(m.n_v):
         d.change[v] = d.tau[v] - d.change[v]
@@ -238,7 +281,7 @@ def forward(m, d):
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
             d.x_rate[m.n_q + m.body_v[i] + k] = d.change[m.body_v[i] + k]
 
-    tree.accelerations(m, d)
+    kinematics.accelerations(m, d)
     return OK
 
 
@@ -306,13 +349,13 @@ def reach_rows(m, d, everything):
 
         for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
             turning, sliding = pivots(m, d, m.path_node[step])
-            d.constraint_noise[c] += constraints.noise(m, d, m.path_node[step], r, turning, sliding)
+            d.constraint_noise[c] += multipliers.noise(m, d, m.path_node[step], r, turning, sliding)
 
     for row in range(m.n_row):
         c = m.row_constraint[row]
         at = row * n
 
-        if constraints.is_idle(d, row, everything):
+        if multipliers.is_idle(d, row, everything):
             continue
 
         d.row_size[row] = 0.0

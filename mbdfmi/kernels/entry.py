@@ -7,23 +7,7 @@ import math
 
 from numba import types
 
-from . import (
-    assembly,
-    commands,
-    drives,
-    dynamics,
-    forces,
-    integrate,
-    joints,
-    notes,
-    outputs,
-    project,
-    rates,
-    reactions,
-    rows,
-    tree,
-    virtual,
-)
+from . import assembly, commands, drives, dynamics, forces, inertia, integrate, joints, kinematics, notes, outputs, project, rates, reactions, rows, virtual
 from .forces import struts
 from .language import inlined, kernel
 from .prepare import prepare
@@ -52,7 +36,7 @@ def initialise(m, d, t0):
     if failure != OK:
         return notes.tell_open(m, d, failure)
 
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     struts.keep_start_lengths(m, d)
     notes.tell_of_start(m, d)
     return OK
@@ -105,10 +89,10 @@ def compute_outputs(m, d, y):
 
         project.follow_commands(m, d)
 
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
 
     if (needs & (outputs.NEED_INERTIAS | outputs.NEED_ACCELERATIONS)) != 0:
-        tree.inertias(m, d)
+        inertia.inertias(m, d)
 
     if (needs & outputs.NEED_ACCELERATIONS) != 0:
         forces.apply(m, d)

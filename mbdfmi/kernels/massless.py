@@ -12,7 +12,7 @@ import math
 from numba.types import int64, void
 
 from . import algebra as al
-from . import constraints, embedding, joints, virtual
+from . import articulated, embedding, joints, multipliers, virtual
 from .language import apart, inlined, kernel
 from .status import NOT_FINITE, OK, SINGULAR_INERTIA, status
 from .views import DATA, MODEL
@@ -36,18 +36,18 @@ def respond(m, d):
     if m.embeds == 1:
         embedding.whiten_wrenches(m, d)
     else:
-        constraints.whiten_wrenches(m, d)
+        articulated.whiten_wrenches(m, d)
 
     for row in range(m.n_row):
-        d.row_left[row] = -constraints.row_of_white(m, d, row)
+        d.row_left[row] = -multipliers.row_of_white(m, d, row)
 
-    constraints.solve_rows(m, d)
-    constraints.add_white(m, d)
+    multipliers.solve_rows(m, d)
+    multipliers.add_white(m, d)
 
     if m.embeds == 1:
         embedding.respond(m, d)
     else:
-        constraints.respond(m, d)
+        articulated.respond(m, d)
 
 
 @inlined
@@ -213,7 +213,7 @@ def give_back(m, d):
 
         pass_on(m, d, d.given_moment, d.given_force)
         respond(m, d)
-        constraints.add_changes(m, d)
+        multipliers.add_changes(m, d)
 
         for row in range(m.n_row):
             d.multiplier[row] += d.multiplier_kept[row]

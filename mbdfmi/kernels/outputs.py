@@ -6,7 +6,7 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 import math
 
 from . import algebra as al
-from . import contacts, coordinates, forces, markers, reactions, tree
+from . import contacts, coordinates, forces, inertia, markers, reactions
 from .forces import central_gravity, friction, joint_springs, loads, six_by_six, stops, struts
 from .language import inlined, kernel
 
@@ -242,11 +242,11 @@ def write_scene_output(m, d, kind, at, y):
         y[at] = m.tolerance[0] * d.error_sum[0]
 
     elif kind == LINEAR_MOMENTUM:
-        _, linear = tree.total_momentum(m, d)
+        _, linear = inertia.total_momentum(m, d)
         al.set_vec_at(y, at, linear)
 
     elif kind == ANGULAR_MOMENTUM:
-        angular, _ = tree.total_momentum(m, d)
+        angular, _ = inertia.total_momentum(m, d)
         al.set_vec_at(y, at, angular)
 
     elif kind == INPUTS_POWER:
@@ -262,16 +262,16 @@ def write_scene_output(m, d, kind, at, y):
         y[at] = forces.dissipated(m, d)
 
     elif kind == CENTER_OF_MASS:
-        al.set_vec_at(y, at, tree.center_of_mass(m, d))
+        al.set_vec_at(y, at, inertia.center_of_mass(m, d))
 
     else:
         energy = 0.0
 
         if kind == KINETIC_ENERGY or kind == TOTAL_ENERGY:
-            energy += tree.kinetic_energy(m, d)
+            energy += inertia.kinetic_energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != SPRING_ENERGY:
-            energy += tree.gravity_energy(m, d) + central_gravity.energy(m, d)
+            energy += inertia.gravity_energy(m, d) + central_gravity.energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != GRAVITY_ENERGY:
             energy += forces.stored_energy(m, d)

@@ -5,7 +5,7 @@ import math
 from numba.types import float64, int64
 
 from . import algebra as al
-from . import constraints, contacts, coordinates, drives, dynamics, joints, rows, tree
+from . import contacts, coordinates, drives, dynamics, joints, kinematics, multipliers, rows
 from .language import apart, inlined, kernel
 from .rates import is_finite
 from .status import LOOP_OPEN, NOT_FINITE, OK, status
@@ -75,7 +75,7 @@ def worst_constraint(m, d):
 @inlined
 def see_rows(m, d):
     """Rows at the positions and velocities of d.x, contacts at their closest points, angles outside the tree read anew."""
-    tree.kinematics(m, d)
+    kinematics.kinematics(m, d)
     contacts.find_parameters(m, d)
     coordinates.read_turns(m, d)
     rows.write_rows(m, d)
@@ -206,7 +206,7 @@ def factor_for_velocities(m, d):
     """The factor that project_positions leaves, with rows that are about velocities alone."""
     for row in range(m.n_row):
         if rows.is_of_velocity(m, row):
-            constraints.factor_rows(m, d, False)
+            multipliers.factor_rows(m, d, False)
             return
 
 

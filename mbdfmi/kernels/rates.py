@@ -2,7 +2,7 @@
 
 from numba.types import float64, int64
 
-from . import commands, contacts, coordinates, drives, dynamics, forces, joints, tree
+from . import commands, contacts, coordinates, drives, dynamics, forces, inertia, joints, kinematics
 from .language import apart, inlined
 from .views import DATA, MODEL
 
@@ -25,8 +25,8 @@ def evaluate(m, d, s):
     """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
     set_time(m, d, s)
     drives.prescribe(m, d)
-    tree.kinematics(m, d)
-    tree.inertias(m, d)
+    kinematics.kinematics(m, d)
+    inertia.inertias(m, d)
     forces.apply(m, d)
 
     for i in range(1, m.n_body):

@@ -7,7 +7,7 @@ is applied to them; for one that closes a loop, its rows' wrenches times their m
 """
 
 from . import algebra as al
-from . import coordinates, drives, forces, joints, markers, rows, tree
+from . import coordinates, drives, forces, inertia, inverse, joints, markers, rows
 from .language import inlined, kernel
 
 
@@ -23,11 +23,11 @@ def add_coupling_efforts(m, d, row, factor):
 
 @kernel
 def find_joint_wrenches(m, d):
-    """`tree.joint_wrenches` with the constraints' wrenches; needs accelerations and multipliers.
+    """`inverse.joint_wrenches` with the constraints' wrenches; needs accelerations and multipliers.
 
     Leaves in tau and coordinate_effort what acts along the joints' coordinates beside the drives of joints in the tree.
     """
-    tree.inertias(m, d)
+    inertia.inertias(m, d)
     forces.apply(m, d)
 
     for row in range(m.n_row):
@@ -45,7 +45,7 @@ def find_joint_wrenches(m, d):
         al.add_vec3(d.moment, b, al.scale(factor, al.vec3(d.row_moment_to, row)))
         al.add_vec3(d.force, b, al.scale(factor, al.vec3(d.row_force_to, row)))
 
-    tree.joint_wrenches(m, d)
+    inverse.joint_wrenches(m, d)
 
 
 @inlined

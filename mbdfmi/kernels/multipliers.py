@@ -1,11 +1,7 @@
-"""Multipliers of the constraint rows, and projection onto what they allow.
+"""Multipliers of the constraint rows: the factor of C M^-1 C^T = R R^T, with R the rows' whitened responses (articulated.py).
 
-With M = L_M L_M^T the joint-space inertia and C the rows' Jacobian, every row's response is kept whitened, R = C L_M^-T, so
-that C M^-1 C^T = R R^T. The articulated-body factor gives R in one pass from a row's bodies to the ground (the
-innovations form of the operational-space inertia: Rodriguez, Jain, Kreutz-Delgado, Int. J. Robotics Research 10, 1991), and only in the
-joints on that way. R R^T is factored in blocks: those of constraints that share joints, in
-an order that makes few others. Rows are dropped whose pivot is a small part of their diagonal: they follow from
-rows before them.
+It is factored in blocks: those of constraints that share joints, in an order that makes few others. Rows are dropped whose pivot
+is a small part of their diagonal: they follow from rows before them.
 """
 
 import math
@@ -13,7 +9,7 @@ import math
 from numba.types import boolean, void
 
 from . import algebra as al
-from . import coordinates, joints, markers, rows
+from . import coordinates, joints, rows
 from .language import apart, inlined, kernel
 from .views import DATA, MODEL
 
@@ -50,17 +46,6 @@ CANDIDATE = 2.0
 
 
 @inlined
-def add_row_size(m, d, row, r, i):
-    """What the wrench on its way past joint i could move there if it met the axis, to row_size. r : m, where its force acts."""
-    kind = m.body_joint[i]
-
-    if d.held[i] == 0.0 and joints.is_one_axis(kind):
-        lever = al.sub(r, al.vec3(d.r, i))
-        effort = joints.largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
-        d.row_size[row] += effort / d.D[6 * i]
-
-
-@inlined
 def noise(m, d, i, r, turning, sliding):
     """What a row's unit force at r, or unit moment, could do in joint i of these least pivots if the wrenches of its two sides,
     which cancel below a loop, did not: rounding leaves a part of that."""
@@ -83,65 +68,6 @@ def all_matter(m, positional):
 def is_idle(d, row, everything):
     """Whether a row follows from others and is not asked for: it costs nothing then."""
     return d.row_redundant[row] == 1.0 and not everything
-
-
-@apart(void(MODEL, DATA, boolean))
-def reach_rows(m, d, everything):
-    """R: whitened responses of the rows, the redundant ones only with `everything`.
-
-    Needs write_rows and the articulated inertias of aba.
-    """
-    for c in range(m.n_constraint):
-        first = m.constraint_path[c]
-        end = first + m.constraint_paths[c]
-        body_a = m.marker_body[m.constraint_from[c]]
-        body_b = m.marker_body[m.constraint_to[c]]
-        r = markers.position(m, d, m.constraint_to[c])
-        d.constraint_noise[c] = 0.0
-
-        for step in range(first, end):
-            turning, sliding = joints.pivots(m, d, m.path_node[step])
-            d.constraint_noise[c] += noise(m, d, m.path_node[step], r, turning, sliding)
-
-        for k in range(m.constraint_rows[c]):
-            row = m.constraint_row[c] + k
-            at = m.constraint_reach[c] + k * m.constraint_width[c]
-
-            if is_idle(d, row, everything):
-                continue
-
-            d.row_size[row] = 0.0
-            al.set_vec3(d.passed_moment, 0, al.ZERO3)
-            al.set_vec3(d.passed_force, 0, al.ZERO3)
-
-            for step in range(first, end):
-                al.set_vec3(d.passed_moment, m.path_node[step], al.ZERO3)
-                al.set_vec3(d.passed_force, m.path_node[step], al.ZERO3)
-
-            al.add_vec3(d.passed_moment, body_a, al.vec3(d.row_moment_from, row))
-            al.add_vec3(d.passed_force, body_a, al.vec3(d.row_force_from, row))
-            al.add_vec3(d.passed_moment, body_b, al.vec3(d.row_moment_to, row))
-            al.add_vec3(d.passed_force, body_b, al.vec3(d.row_force_to, row))
-
-            if m.constraint_from_2[c] >= 0:
-                body_a2 = m.marker_body[m.constraint_from_2[c]]
-                body_b2 = m.marker_body[m.constraint_to_2[c]]
-                al.add_vec3(d.passed_moment, body_a2, al.vec3(d.row_moment_from_2, row))
-                al.add_vec3(d.passed_force, body_a2, al.vec3(d.row_force_from_2, row))
-                al.add_vec3(d.passed_moment, body_b2, al.vec3(d.row_moment_to_2, row))
-                al.add_vec3(d.passed_force, body_b2, al.vec3(d.row_force_to_2, row))
-
-            for step in range(end - 1, first - 1, -1):
-                i = m.path_node[step]
-                add_row_size(m, d, row, r, i)
-                joints.pass_wrench(m, d, d.reach, i, at + m.path_at[step], rows.effort_on(m, row, i))
-
-
-@kernel
-def whiten_wrenches(m, d):
-    """Whitened efforts d.white of wrenches on all bodies (passed_moment, passed_force), which are gone then."""
-    for i in range(m.n_body - 1, 0, -1):
-        joints.pass_wrench(m, d, d.white, i, m.body_v[i], 0.0)
 
 
 @inlined
@@ -511,20 +437,6 @@ def add_white(m, d):
 
             for k in range(joints.n_v(m.body_joint[i])):
                 d.white[m.body_v[i] + k] += factor * d.reach[at + m.path_at[step] + k]
-
-
-@inlined
-def respond(m, d):
-    """Changes of v' (or of v, or q) and of the bodies' accelerations by the whitened efforts d.white."""
-    al.set_vec3(d.change_alpha, 0, al.ZERO3)
-    al.set_vec3(d.change_rdd, 0, al.ZERO3)
-
-    for i in range(1, m.n_body):
-        alpha = al.vec3(d.change_alpha, m.body_parent[i])
-        rdd = al.add(al.vec3(d.change_rdd, m.body_parent[i]), al.cross(alpha, al.vec3(d.arm, i)))
-        alpha, rdd = joints.respond(m, d, i, alpha, rdd)
-        al.set_vec3(d.change_alpha, i, alpha)
-        al.set_vec3(d.change_rdd, i, rdd)
 
 
 @inlined
