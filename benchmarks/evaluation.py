@@ -15,8 +15,10 @@ from rich.console import Group
 from rich.table import Table
 
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces, inertia, kinematics, rates
+from mbdfmi.kernels import forces
+from mbdfmi.kernels.dynamics import inertia, rates
 from mbdfmi.kernels.language import kernel
+from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance
 
 from .machine import machine, own_versions

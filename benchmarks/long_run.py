@@ -19,9 +19,9 @@ from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.files import replacing
 from mbdfmi.kernels import entry
-from mbdfmi.kernels.integrate import INTEGRATORS
 from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
+from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance, explain
 
 from .machine import machine

@@ -10,7 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import embedding, forces, inertia, inverse, kinematics, rates
+from mbdfmi.kernels import forces
+from mbdfmi.kernels.dynamics import embedding, inertia, inverse, rates
+from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance
 
 KINDS = ("revolute", "prismatic", "spherical", "free", "fixed")

@@ -8,7 +8,7 @@ from test_closed_forms import bars
 from test_integrate import instance_of
 from test_steppers import oscillator
 
-from mbdfmi.kernels import gauss, implicit, tableaux
+from mbdfmi.kernels.steppers import gauss, implicit, tableaux
 
 EXPLICIT = ["rk853", "rk54", "auto"]
 

@@ -7,7 +7,10 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 from benchmarks.problem_files import problem_file
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import contacts, curves, joints, kinematics, multipliers, rows, surfaces
+from mbdfmi.kernels import joints
+from mbdfmi.kernels.dynamics import multipliers, rows
+from mbdfmi.kernels.end_frames import curves, surfaces, touching
+from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import SceneError
@@ -259,7 +262,7 @@ NAMES = [
 
 def see(m, d):
     kinematics.kinematics(m, d)
-    contacts.find_parameters(m, d)
+    touching.find_parameters(m, d)
     rows.write_rows(m, d)
 
 
@@ -279,7 +282,7 @@ def moved(m, d, x, acceleration, t):
                 for i in range(1, m.n_body):
                     joints.position_rates(m, d, i)
 
-                contacts.parameter_rates(m, d)
+                touching.parameter_rates(m, d)
                 d.x_rate[m.n_q : m.n_q + m.n_v] = acceleration
                 y = start + part * h * d.x_rate
 
@@ -349,7 +352,7 @@ def test_rates_of_parameters_against_differences(contact, shape, end):
     see(m, d)
     by_difference = (ends[1] - ends[0]) / (2 * h)
     np.testing.assert_allclose(
-        contacts.rates(m, d, 0)[: m.n_s], by_difference, rtol=1e-5, atol=1e-5
+        touching.rates(m, d, 0)[: m.n_s], by_difference, rtol=1e-5, atol=1e-5
     )
 
 

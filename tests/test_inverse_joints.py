@@ -15,7 +15,10 @@ import mbdfmi
 from mbdfmi import Scene
 from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import dynamics, forces, inertia, kinematics
+from mbdfmi.kernels import forces
+from mbdfmi.kernels.dynamics import forward as dynamics
+from mbdfmi.kernels.dynamics import inertia
+from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance
 
 ALL_AXES = [0.01] * 3

@@ -10,8 +10,8 @@ from scenes import random_orientation, rotation
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.kernels import algebra as al
 from mbdfmi.kernels import forces
+from mbdfmi.kernels.math import algebra as al
 
 RNG = np.random.default_rng(1)
 ORIENTATIONS = [random_orientation(RNG) for _ in range(40)]

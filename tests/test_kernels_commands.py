@@ -6,8 +6,8 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 from test_kernels_algebra import tuples
 
-from mbdfmi.kernels import algebra as al
-from mbdfmi.kernels import commands
+from mbdfmi.kernels.math import algebra as al
+from mbdfmi.kernels.motion import commands
 
 RNG = np.random.default_rng(5)
 H = 4e-3

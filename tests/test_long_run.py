@@ -9,7 +9,7 @@ from benchmarks.long_run import STEPPERS, run_long
 from benchmarks.orbits import ORBITS
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.integrate import INTEGRATORS
+from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance
 
 PERIODS = 30

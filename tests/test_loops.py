@@ -11,7 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import joints, kinematics, multipliers, project, rows
+from mbdfmi.kernels import joints
+from mbdfmi.kernels.dynamics import multipliers, projection, rows
+from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance, SimulationError
 
 FORMULATIONS = ["recursive", "embedding", "augmented"]
@@ -131,7 +133,7 @@ def test_rows_against_differences(kind, formulation):
         m, d = instance.m, instance.d
         rng = np.random.default_rng(seed)
         d.x[: m.n_q] += 0.1 * rng.normal(size=m.n_q)
-        project.unit_E(m, d)
+        projection.unit_E(m, d)
         (rate, acceleration), found = slopes(instance, d.x[: m.n_q].copy(), *rng.normal(size=(2, m.n_v)))
 
         # angles of joints that close loops are exact where these are closed

@@ -9,7 +9,7 @@ from scenes import assert_near, body_motion, examples
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import multipliers, rates
+from mbdfmi.kernels.dynamics import multipliers, rates
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.instance import Instance, SimulationError
 

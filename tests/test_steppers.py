@@ -7,8 +7,8 @@ from test_integrate import instance_of, slope
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.integrate import INTEGRATORS
-from mbdfmi.kernels.rates import evaluate
+from mbdfmi.kernels.dynamics.rates import evaluate
+from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance, SimulationError
 
 OMEGA = 3.0

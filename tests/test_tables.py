@@ -13,7 +13,8 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 import mbdfmi
 from mbdfmi.compiler.interpolation import curve
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces, tables
+from mbdfmi.kernels import forces
+from mbdfmi.kernels.math import tables
 from mbdfmi.run.instance import Instance
 
 INERTIA = [0.01] * 3

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..compiler.joints import COORDINATES
 from ..compiler.topology import spanning_tree
-from ..kernels import algebra, joints
+from ..kernels import joints
+from ..kernels.math import algebra
 from ..scene.errors import listed
 from ..scene.starts import PrismaticStart, RevoluteStart
 from .mechanism import DRIVEABLE, ZERO, Mechanism

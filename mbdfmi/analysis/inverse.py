@@ -14,7 +14,9 @@ from scipy.integrate import DOP853
 from scipy.interpolate import BPoly
 
 from ..compiler.variables import dotted, subscripts
-from ..kernels import commands, layout, outputs, project, rates
+from ..kernels import layout, outputs
+from ..kernels.dynamics import projection, rates
+from ..kernels.motion import commands
 from ..kernels.status import OK
 from ..run.inputs import known
 from ..run.instance import Instance, SimulationError, explain
@@ -204,7 +206,7 @@ class _Run:
 
     def _close(self):
         """Positions and velocities to where the joints told want them."""
-        status = project.project(self.m, self.d)
+        status = projection.project(self.m, self.d)
 
         if status != OK:
             raise _out_of_reach(explain(self.instance.model, status), self.instance.time)

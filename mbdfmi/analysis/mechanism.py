@@ -14,7 +14,9 @@ import numpy as np
 
 from ..compiler.model import compile_scene
 from ..compiler.topology import axes_with_z
-from ..kernels import coordinates, joints, kinematics, project, rows
+from ..kernels import joints
+from ..kernels.dynamics import projection, rows
+from ..kernels.motion import coordinates, kinematics
 from ..kernels.status import OK
 from ..run.instance import Instance
 
@@ -197,7 +199,7 @@ class Mechanism:
             v = motions @ np.cos(1.7 * np.arange(motions.shape[1]) + k + 0.3)
             self._move(step * self.units * v / np.abs(v).max())
 
-            if project.close_gaps(self.m, self.d, self.m.closing_tolerance[0], 0.0) == OK:
+            if projection.close_gaps(self.m, self.d, self.m.closing_tolerance[0], 0.0) == OK:
                 places.append(self.here())
 
             self.d.x[:] = start
@@ -208,7 +210,7 @@ class Mechanism:
         """The positions of the state, moved by small changes (n,) of the free coordinates, SI."""
         self.d.change[:] = 0.0
         self.d.change[self.free] = change
-        project.move_by_change(self.m, self.d, 1.0)
+        projection.move_by_change(self.m, self.d, 1.0)
 
     def owner(self, row) -> str:
         """The joint or coupling that a row belongs to."""

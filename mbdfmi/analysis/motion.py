@@ -7,7 +7,7 @@ from scipy.interpolate import make_interp_spline
 
 from ..compiler.joints import COORDINATES
 from ..compiler.variables import dotted, hint
-from ..kernels import algebra
+from ..kernels.math import algebra
 from ..run.results import Results
 from ..scene.errors import listed
 from .mechanism import DRIVEABLE

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..compiler.topology import FREEDOMS
-from ..kernels import rows
+from ..kernels.dynamics import rows
 from .mechanism import ZERO, Mechanism
 
 

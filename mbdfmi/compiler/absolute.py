@@ -3,7 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..kernels import coordinates, entry, rates
+from ..kernels import entry
+from ..kernels.dynamics import rates
+from ..kernels.motion import coordinates
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..scene import Problem, SceneError
 from ..vectors import dot

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..kernels import outputs, rows
+from ..kernels import outputs
+from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
 from .variables import dotted
 

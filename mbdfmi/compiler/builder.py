@@ -6,8 +6,10 @@ import warnings
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..kernels import coordinates, layout, outputs, tables
+from ..kernels import layout, outputs
 from ..kernels.joints import KINDS, N_Q, N_V
+from ..kernels.math import tables
+from ..kernels.motion import coordinates
 from ..scene import Problem, SceneData
 from .interpolation import curve
 from .start import coupled_angles
@@ -174,7 +176,7 @@ class Builder:
         return self.tables["n_turn"].add(turn_coordinate=self.tables["n_coordinate"].length, turn_start=angle)
 
     def table(self, polynomial, beyond):
-        """Index of a piecewise polynomial (scipy PPoly of degree at most 5); `beyond`: see kernels/tables.py."""
+        """Index of a piecewise polynomial (scipy PPoly of degree at most 5); `beyond`: see kernels/math/tables.py."""
         first = self.tables["n_knot"].length
         coefficients = np.zeros((6, len(polynomial.x)))
         coefficients[: len(polynomial.c), :-1] = polynomial.c[::-1]

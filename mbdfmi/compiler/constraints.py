@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..kernels import contacts, rows
+from ..kernels.dynamics import rows
+from ..kernels.end_frames import touching
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
 from .drives import coupling_constraints, drive_constraints
@@ -137,7 +138,7 @@ def _turns(joint):
 
     Curves and surfaces, and planes to roll on, stay in their markers' own axes.
     """
-    if joint.kind in contacts.KINDS:
+    if joint.kind in touching.KINDS:
         return [np.eye(3)] * 2
 
     if joint.kind in ("rolling_sphere", "rolling_disk"):

@@ -5,7 +5,9 @@ import math
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
-from ..kernels import contacts, curves, notes, outputs, surfaces, tables
+from ..kernels import notes, outputs
+from ..kernels.end_frames import curves, surfaces, touching
+from ..kernels.math import tables
 from ..scene import Problem, SceneError
 from ..vectors import dot
 from .variables import dotted
@@ -21,7 +23,7 @@ def add_contacts(builder):
     builder.single["s_start"] = []
 
     for name, joint in builder.scene.joint.items():
-        if joint.kind in contacts.KINDS:
+        if joint.kind in touching.KINDS:
             builder.contacts[name] = _add_contact(builder, name, joint)
 
 
@@ -47,7 +49,7 @@ def _add_contact(builder, name, joint):
             )  # fmt: skip
 
     return builder.tables["n_contact"].add(
-        contact_kind=contacts.KINDS[joint.kind],
+        contact_kind=touching.KINDS[joint.kind],
         contact_a=builder.joint_marker(name, 0, np.eye(3)),
         contact_b=builder.joint_marker(name, 1, np.eye(3)),
         contact_from=shapes[0],

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from ..kernels import commands, drives, outputs, rows
+from ..kernels import outputs
+from ..kernels.dynamics import rows
+from ..kernels.motion import commands, drives
 from .joints import COORDINATES
 from .variables import dotted
 

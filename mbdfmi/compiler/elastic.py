@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..kernels.tables import LINEAR
+from ..kernels.math.tables import LINEAR
 from .interpolation import curve
 
 

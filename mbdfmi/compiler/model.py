@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..kernels import integrate, layout, outputs
-from ..kernels.commands import N_DERIVATIVE
+from ..kernels import layout, outputs
+from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.steppers import integrate
 from ..kernels.views import DataView, ModelView
 from ..scene import SceneData
 from .absolute import add_absolute_starts, start_motion

@@ -7,11 +7,15 @@ import math
 
 from numba import types
 
-from . import assembly, commands, drives, dynamics, forces, inertia, integrate, joints, kinematics, notes, outputs, project, rates, reactions, rows, virtual
+from . import forces, joints, notes, outputs
+from .dynamics import assembly, forward, inertia, projection, rates, reactions, rows
 from .forces import struts
+from .joints import virtual
 from .language import inlined, kernel
+from .motion import commands, drives, kinematics
 from .prepare import prepare
 from .status import BAD_START_ORIENTATION, BAD_STEP, OK, OUTPUT_NOT_FINITE, status
+from .steppers import integrate
 from .views import DATA, MODEL, REALS
 
 
@@ -87,7 +91,7 @@ def compute_outputs(m, d, y):
         for k in range(m.n_x):
             d.x_own[k] = d.x[k]
 
-        project.follow_commands(m, d)
+        projection.follow_commands(m, d)
 
     kinematics.kinematics(m, d)
 
@@ -96,7 +100,7 @@ def compute_outputs(m, d, y):
 
     if (needs & outputs.NEED_ACCELERATIONS) != 0:
         forces.apply(m, d)
-        failure = dynamics.accelerate(m, d)
+        failure = forward.accelerate(m, d)
     elif (needs & outputs.NEED_ROWS) != 0:
         rows.write_rows(m, d)
 

@@ -24,7 +24,6 @@ from llvmlite import binding
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-
 INTERPRETED = os.environ.get("MBDFMI_INTERPRETED", "0") not in ("", "0")
 """Whether kernels run as plain Python in this process."""
 

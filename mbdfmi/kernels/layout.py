@@ -13,7 +13,9 @@ axes and taken about the origin of their body.
 from typing import NamedTuple
 
 from .status import MOST_NOTICES
-from .tableaux import N_STAGE
+
+N_STAGE = 16
+"""The most stages of a stepper (tableaux.py), those of its continuous extension included."""
 
 COUNTS = (
     "n_body",  # nodes of the tree, the ground included
@@ -43,7 +45,7 @@ COUNTS = (
     "n_knot",  # their knots
     "n_drive",  # joints whose motion is prescribed, the ground's too
     "n_wave",  # harmonics of their motions
-    "n_command",  # numbers of their motion that inputs tell (commands.py)
+    "n_command",  # numbers of their motion that inputs tell (motion/commands.py)
     "n_attitude",  # 1: inputs tell orientation and angular velocity of the ground
     "n_curve",
     "n_surface",
@@ -56,8 +58,8 @@ COUNTS = (
     "n_u",  # scalar inputs
     "n_y",  # scalar outputs
     "output_needs",  # see outputs.py
-    "integrator",  # see integrate.py
-    "embeds",  # 1: dynamics by the joint-space mass matrix (embedding.py), 0: by articulated bodies
+    "integrator",  # see steppers/integrate.py
+    "embeds",  # 1: dynamics by the joint-space mass matrix (dynamics/embedding.py), 0: by articulated bodies
     "n_mass",  # elements of that matrix
     "n_dense",  # values of a continuous extension, or of the stages of the step before
     "n_jacobian",  # elements of dx'/dx, where an implicit stepper may need it
@@ -78,7 +80,7 @@ class Row(NamedTuple):
 ARRAYS = (
     # structure
     Row("body_parent", "ints", 1, "n_body", "parent node; parents come first"),
-    Row("body_joint", "ints", 1, "n_body", "kind of the joint to the parent (joints.py)"),
+    Row("body_joint", "ints", 1, "n_body", "kind of the joint to the parent (joints/kinds.py)"),
     Row("body_q", "ints", 1, "n_body", "first position coordinate"),
     Row("body_v", "ints", 1, "n_body", "first velocity coordinate"),
     Row("body_added", "ints", 1, "n_body", "1: carries added mass"),
@@ -88,7 +90,7 @@ ARRAYS = (
     Row("body_drive", "ints", 1, "n_body", "drive of its joint, -1: none"),
     Row("solid_body", "ints", 1, "n_solid", "node"),
     Row("marker_body", "ints", 1, "n_marker", "node"),
-    Row("coordinate_kind", "ints", 1, "n_coordinate", "see coordinates.py"),
+    Row("coordinate_kind", "ints", 1, "n_coordinate", "see motion/coordinates.py"),
     Row("coordinate_body", "ints", 1, "n_coordinate", "node, of a joint in the tree"),
     Row("coordinate_from", "ints", 1, "n_coordinate", "first marker, of a joint that closes a loop"),
     Row("coordinate_to", "ints", 1, "n_coordinate", "second marker"),
@@ -108,7 +110,7 @@ ARRAYS = (
     Row("linear_from", "ints", 1, "n_linear", "first marker, whose axes the force is given in"),
     Row("linear_to", "ints", 1, "n_linear", "second marker, which the force acts on"),
     Row("linear_adds", "ints", 1, "n_linear", "1: has added mass, and its second marker is on a body that moves"),
-    Row("linear_axes", "ints", 1, "n_linear", "axes of damping and added mass: of the first marker, heading, second (forces.py)"),
+    Row("linear_axes", "ints", 1, "n_linear", "axes of damping and added mass: of the first marker, heading, second (forces/six_by_six.py)"),
     Row("wrench_marker", "ints", 1, "n_wrench_input", "marker it acts on"),
     Row("wrench_reaction", "ints", 1, "n_wrench_input", "marker whose body takes the reaction, -1: none"),
     Row("wrench_axes", "ints", 1, "n_wrench_input", "marker in whose axes it is given, -1: inertial"),
@@ -133,7 +135,7 @@ ARRAYS = (
     Row("path_node", "ints", 1, "n_path", "node, ascending within a constraint"),
     Row("path_at", "ints", 1, "n_path", "where the node's joint stands in a row's response"),
     Row("row_constraint", "ints", 1, "n_row", "constraint"),
-    Row("row_kind", "ints", 1, "n_row", "see constraints.py"),
+    Row("row_kind", "ints", 1, "n_row", "see dynamics/rows.py"),
     Row("row_i", "ints", 1, "n_row", "axis of the first marker, or first coordinate"),
     Row("row_j", "ints", 1, "n_row", "axis of the second marker, or second coordinate, -1: none"),
     Row("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
@@ -146,23 +148,23 @@ ARRAYS = (
     Row("meet_block", "ints", 1, "n_meet", "block in the factor, by rows"),
     Row("table_knot", "ints", 1, "n_table", "first knot"),
     Row("table_knots", "ints", 1, "n_table", "number of knots"),
-    Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see tables.py"),
-    Row("drive_kind", "ints", 1, "n_drive", "see drives.py"),
+    Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see math/tables.py"),
+    Row("drive_kind", "ints", 1, "n_drive", "see motion/drives.py"),
     Row("drive_body", "ints", 1, "n_drive", "node"),
     Row("drive_at", "ints", 1, "n_drive", "first of its tables or waves"),
     Row("drive_terms", "ints", 1, "n_drive", "number of its waves or coefficients"),
     Row("drive_command", "ints", 1, "n_drive", "first of its channels of commands, -1: none"),
     Row("drive_commands", "ints", 1, "n_drive", "number of these; of the ground x, y, z, then those of its orientation"),
-    Row("drive_turn", "ints", 2, "n_drive", "what commands the ground's orientation (commands.py), first input of that"),
+    Row("drive_turn", "ints", 2, "n_drive", "what commands the ground's orientation (motion/commands.py), first input of that"),
     Row("command_u", "ints", 3, "n_command", "inputs that tell position, speed, acceleration, -1: not told"),
     Row("command_angular", "ints", 1, "n_command", "1: an angle"),
-    Row("curve_kind", "ints", 1, "n_curve", "see curves.py"),
+    Row("curve_kind", "ints", 1, "n_curve", "see end_frames/curves.py"),
     Row("curve_table", "ints", 1, "n_curve", "first of a spline's three tables"),
-    Row("surface_kind", "ints", 1, "n_surface", "see surfaces.py"),
+    Row("surface_kind", "ints", 1, "n_surface", "see end_frames/surfaces.py"),
     Row("surface_curve", "ints", 1, "n_surface", "profile of a prism"),
     Row("surface_table", "ints", 2, "n_surface", "tables whose knots are the patches' edges"),
     Row("surface_patch", "ints", 1, "n_surface", "first patch, s2 runs fastest"),
-    Row("contact_kind", "ints", 1, "n_contact", "see contacts.py"),
+    Row("contact_kind", "ints", 1, "n_contact", "see end_frames/touching.py"),
     Row("contact_a", "ints", 1, "n_contact", "first marker"),
     Row("contact_b", "ints", 1, "n_contact", "second marker"),
     Row("contact_from", "ints", 1, "n_contact", "curve or surface of the first marker"),
@@ -223,7 +225,7 @@ ARRAYS = (
     Row("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
     Row("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
     Row("row_offset", "reals", 1, "n_row", "constant of a coupling"),
-    Row("drive_value", "reals", 16, "n_drive", "see drives.py"),
+    Row("drive_value", "reals", 16, "n_drive", "see motion/drives.py"),
     Row("wave_value", "reals", 3, "n_wave", "amplitude (m, rad), frequency (Hz), phase (rad)"),
     Row("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
     Row("turn_start", "reals", 1, "n_turn", "rad, near which the angle starts"),
@@ -333,7 +335,7 @@ ARRAYS = (
     Row("weight", "work", 1, "n_v", "kg, kg m2, added to the inertia in a joint by assembly"),
     Row("in_loop", "work", 1, "n_body", "1: the joint is part of a loop that is not just couplings"),
     Row("damping", "work", 1, 1, "part by which the diagonal of C M^-1 C^T is raised by assembly"),
-    Row("weakest", "work", 1, 1, "what a redundant row must add to take the place of another (constraints.exchange_rows)"),
+    Row("weakest", "work", 1, 1, "what a redundant row must add to take the place of another (multipliers.exchange_rows)"),
     Row("least_gap", "work", 1, 1, "m, rad, of the attempts to assemble"),
     Row("assembling", "work", 1, 1, "1: positions at the start are being found, which may be far off"),
     Row("stuck", "work", 1, "n_body", "1: cannot move at the start, 2: nor nearby"),

@@ -1,9 +1,10 @@
 """What there is to tell of a start: given values that could not be kept, gaps taken, what is stuck or beyond a stop."""
 
-from . import algebra as al
-from . import coordinates, joints, markers
+from . import joints
+from .dynamics.projection import gap_of
 from .language import inlined, kernel
-from .project import gap_of
+from .math import algebra as al
+from .motion import coordinates, markers
 from .status import (
     BEYOND_STOP,
     BODY_STUCK,

@@ -5,10 +5,13 @@ The pair (a, b) stands for "marker b relative to a, in a's axes"; absolute quant
 
 import math
 
-from . import algebra as al
-from . import contacts, coordinates, forces, inertia, markers, reactions
+from . import forces
+from .dynamics import inertia, reactions
+from .end_frames import touching
 from .forces import central_gravity, friction, joint_springs, loads, six_by_six, stops, struts
 from .language import inlined, kernel
+from .math import algebra as al
+from .motion import coordinates, markers
 
 # of joint coordinate a
 COORDINATE = 0
@@ -354,10 +357,10 @@ def write_outputs(m, d, y):
             al.set_vec_at(y, at, seen)
 
         elif kind == CONTACT_S:
-            y[at] = d.x[contacts.parameter(m, a) + b]
+            y[at] = d.x[touching.parameter(m, a) + b]
 
         elif kind == CONTACT_RATE:
-            rate1, rate2 = contacts.rates(m, d, a)
+            rate1, rate2 = touching.rates(m, d, a)
             y[at] = rate1 if b == 0 else rate2
 
         elif kind == DRIVE_EFFORT:

@@ -2,10 +2,9 @@
 
 import math
 
-from . import algebra as al
-from . import control
 from .forces import six_by_six
 from .language import inlined, kernel
+from .math import algebra as al
 from .status import (
     BAD_ABSOLUTE_TOLERANCE,
     BAD_INERTIA,
@@ -17,6 +16,7 @@ from .status import (
     OK,
     status,
 )
+from .steppers import control
 
 # below, rounding is all there is; above, errors are no longer small against the motion
 LEAST_TOLERANCE = 1e-14

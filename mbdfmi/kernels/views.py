@@ -13,15 +13,16 @@ import llvmlite.ir as ir
 import numpy as np
 from numba import types
 from numba.core import cgutils
+from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     NativeValue,
+    infer_getattr,
+    lower_getattr_generic,
     models,
     register_model,
     typeof_impl,
     unbox,
 )
-from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, lower_getattr_generic
 
 from .language import load_apart
 from .layout import COUNTS, ROW, SLOT, row_length

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ..compiler.model import Model
-from ..kernels.commands import N_DERIVATIVE
+from ..kernels.motion.commands import N_DERIVATIVE
 from .inputs import Inputs, numbers
 from .instance import Instance
 from .results import Results

@@ -16,7 +16,7 @@ from benchmarks.problem_files import problem_file as problem  # noqa: F401
 from benchmarks.problem_files import scene_of  # noqa: F401
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.integrate import INTEGRATORS
+from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance, SimulationError
 
 # integrators by what they are for; those that this version does not know are left out of every case

@@ -2,16 +2,16 @@
 
 EQUIVALENT = [
     (
-        "kernels/assembly.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
+        "kernels/dynamics/assembly.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
         "any way to a position nearby will do to see which rows stay redundant: "
         "it is projected onto the constraints there",
     ),
     (
-        "kernels/commands.py", "kind = m.drive_turn[2 * k]", "kind = m.drive_turn[k]",
+        "kernels/motion/commands.py", "kind = m.drive_turn[2 * k]", "kind = m.drive_turn[k]",
         "the ground's drive, the only one with an orientation, is the first of all: k is 0",
     ),
     (
-        "kernels/tree.py", "al.set_vec3(d.w, 0, al.ZERO3)", "pass",
+        "kernels/motion/kinematics.py", "al.set_vec3(d.w, 0, al.ZERO3)", "pass",
         "work buffers begin as zeros, and nothing else writes to the node of the inertial frame",
     ),
 ]  # fmt: skip

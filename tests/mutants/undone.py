@@ -38,31 +38,31 @@ class Undone:
 UNDONE = [
     # 1
     Undone(
-        1, "nobody looks at the error of what is read off between inner steps", "kernels/explicit.py",
+        1, "nobody looks at the error of what is read off between inner steps", "kernels/steppers/explicit.py",
         "extension, unseen = extension_error(m, d, pair, step, fine)", "extension, unseen = 0.0, False",
         "tests/test_between_steps.py",
     ),
     Undone(
         1, "a kink or a stiff mode that the step's own estimate does not see may spoil what is read off",
-        "kernels/explicit.py",
+        "kernels/steppers/explicit.py",
         "UNSEEN_ALLOWED = 3.0", "UNSEEN_ALLOWED = 1e9", "tests/test_between_steps.py",
     ),
     Undone(
-        1, "estimated_error leaves out what is read off", "kernels/explicit.py",
+        1, "estimated_error leaves out what is read off", "kernels/steppers/explicit.py",
         "estimate = max(error, extension)", "estimate = error", "tests/test_between_steps.py",
     ),
     # 2
     Undone(
-        2, "the turn of an angle outside the tree is that nearest to the last step", "kernels/coordinates.py",
+        2, "the turn of an angle outside the tree is that nearest to the last step", "kernels/motion/coordinates.py",
         "d.x_rate[turn(m, t)] = rate(m, d, m.turn_coordinate[t])", "d.x_rate[turn(m, t)] = 0.0",
         "tests/test_turns.py",
     ),
     Undone(
-        2, "the turn of a longitude on a sphere, likewise", "kernels/contacts.py",
+        2, "the turn of a longitude on a sphere, likewise", "kernels/end_frames/touching.py",
         "d.x_rate[s] = longitude_rate(m, d, k)", "d.x_rate[s] = 0.0", "tests/test_turns.py",
     ),
     Undone(
-        2, "starts beyond a turn, of joints outside the tree", "kernels/assembly.py",
+        2, "starts beyond a turn, of joints outside the tree", "kernels/dynamics/assembly.py",
         "    rows.start_turns(m, d)\n", "", "tests/test_turns.py",
     ),
     Undone(
@@ -72,23 +72,23 @@ UNDONE = [
     ),
     # 3
     Undone(
-        3, "given positions give way like any others", "kernels/assembly.py",
+        3, "given positions give way like any others", "kernels/dynamics/assembly.py",
         "    holding.keep_given(m, d, POSITION)\n", "", "tests/test_starts.py",
     ),
     Undone(
-        3, "given speeds give way like any others", "kernels/assembly.py",
+        3, "given speeds give way like any others", "kernels/dynamics/assembly.py",
         "    holding.keep_given(m, d, VELOCITY)\n", "", "tests/test_starts.py",
     ),
     Undone(
-        3, "a coupling without an offset restricts the start", "kernels/assembly.py",
+        3, "a coupling without an offset restricts the start", "kernels/dynamics/assembly.py",
         "d.row_settles[row] = float(m.row_at_start[row])", "d.row_settles[row] = 0.0", "tests/test_starts.py",
     ),
     Undone(
-        3, "what follows through couplings is found only nearby", "kernels/assembly.py",
+        3, "what follows through couplings is found only nearby", "kernels/dynamics/assembly.py",
         "    spread_couplings(m, d)\n", "", "tests/test_starts.py",
     ),
     Undone(
-        3, "the first assembly found is taken, however far", "kernels/assembly.py",
+        3, "the first assembly found is taken, however far", "kernels/dynamics/assembly.py",
         "    if way < FAR:", "    if result == OK:", "tests/test_starts.py",
     ),
     Undone(
@@ -105,12 +105,12 @@ UNDONE = [
         "tests/test_starts.py",
     ),
     Undone(
-        3, "a disk rolls on the upper side of its plane alone", "kernels/assembly.py",
+        3, "a disk rolls on the upper side of its plane alone", "kernels/dynamics/assembly.py",
         "d.row_side[row] = -1.0 if height < 0.0 else 1.0", "d.row_side[row] = 1.0", "tests/test_starts.py",
     ),
     # 4
     Undone(
-        4, "a loop that repeats itself not quite exactly is refused", "kernels/assembly.py",
+        4, "a loop that repeats itself not quite exactly is refused", "kernels/dynamics/assembly.py",
         "loose = failure == OK and gap <= GAP_TAKEN", "loose = False", "tests/test_loops.py",
     ),
     Undone(
@@ -128,7 +128,7 @@ UNDONE = [
         "if False:", "tests/test_loops.py",
     ),
     Undone(
-        4, "the closing tolerance is no setting", "kernels/project.py",
+        4, "the closing tolerance is no setting", "kernels/dynamics/projection.py",
         "        failure = project_positions(m, d, m.closing_tolerance[0])",
         "        failure = project_positions(m, d, 1e-9)", "tests/test_loops.py",
     ),
@@ -155,36 +155,38 @@ UNDONE = [
     ),
     # 6
     Undone(
-        6, "input derivatives of a commanded position count beside the speed told", "kernels/commands.py",
+        6, "input derivatives of a commanded position count beside the speed told", "kernels/motion/commands.py",
         "        d.command_course[k + 1] = v\n",
         "        d.command_course[k + 1] = v + "
         "(d.u_buffer[n + m.command_u[3 * c]] if m.command_u[3 * c] >= 0 else 0.0)\n",
         "tests/test_commands.py",
     ),
     Undone(
-        6, "commanded motion is of order 1 in the communication step", "kernels/commands.py",
-        "by_slope(m, d, c, x, slope, H, found) if told_on else by_history(d, c, found)", "(slope, 0.0, 0.0)",
+        6, "commanded motion is of order 1 in the communication step", "kernels/motion/commands.py",
+        "            if told_on:\n                slope, c2, c3 = by_slope(m, d, c, x, slope, H, found, rounding)\n"
+        "            else:\n                slope, c2, c3 = by_history(d, c, found)\n",
+        "            pass\n",
         "tests/test_commands.py",
     ),
     Undone(
-        6, "bodies jump with what the last step was off", "kernels/commands.py",
+        6, "bodies jump with what the last step was off", "kernels/motion/commands.py",
         "                settle(m, d, i, position, "
         "d.command_reached[2 * i + 1] - d.command_course[N_COURSE * i + 1], T)\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(
-        6, "the ground jumps with what its last turn was off", "kernels/commands.py",
+        6, "the ground jumps with what its last turn was off", "kernels/motion/commands.py",
         "                settle(m, d, c + 3 + i, phi[i], "
         "rate[i] - d.command_course[N_COURSE * (c + 3 + i) + 1], T)\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(
-        6, "commands that contradict each other are not told", "kernels/commands.py",
+        6, "commands that contradict each other are not told", "kernels/motion/commands.py",
         "        doubt(m, d, k)\n", "", "tests/test_commands.py",
     ),
     # 7
     Undone(
-        7, "the work of a communication step has no bound", "kernels/control.py",
+        7, "the work of a communication step has no bound", "kernels/steppers/control.py",
         "return not d.evaluations[0] < d.evaluation_limit[0]", "return False", "tests/test_bounded_work.py",
     ),
     Undone(
@@ -202,7 +204,7 @@ UNDONE = [
         "tests/test_extremes.py",
     ),
     Undone(
-        7, "a gap that is no number is none", "kernels/project.py",
+        7, "a gap that is no number is none", "kernels/dynamics/projection.py",
         "        if not abs(p[k]) <= size:", "        if abs(p[k]) > size:",
         "tests/test_extremes.py tests/test_told.py",
     ),
@@ -220,29 +222,29 @@ UNDONE = [
         "tests/test_massless.py tests/test_scene.py tests/test_notices.py",
     ),
     Undone(
-        9, "parts without mass that constraints determine are refused", "kernels/assembly.py",
-        "    dynamics.lend_inertia(m, d)\n", "", "tests/test_massless.py",
+        9, "parts without mass that constraints determine are refused", "kernels/dynamics/assembly.py",
+        "    forward.lend_inertia(m, d)\n", "", "tests/test_massless.py",
     ),
     Undone(
-        9, "the inertia that massless parts are lent stays", "kernels/dynamics.py",
+        9, "the inertia that massless parts are lent stays", "kernels/dynamics/forward.py",
         "return massless.give_back(m, d) if d.lends[0] > 0.0 else OK", "return OK", "tests/test_massless.py",
     ),
     # 10
     Undone(
-        10, "the power of a joint leaves out its friction", "kernels/powers.py",
-        "            effort -= forces.friction_effort(m, k, rate)\n", "            pass\n",
+        10, "the power of a joint leaves out its friction", "kernels/forces/friction.py",
+        "            effort -= resistance(m, k, coordinates.rate(m, d, c))\n", "            pass\n",
         "tests/test_powers.py",
     ),
     Undone(
-        10, "the ground does not feel the water that moves along with bodies", "kernels/tree.py",
+        10, "the ground does not feel the water that moves along with bodies", "kernels/dynamics/inverse.py",
         "    added_mass.add_reactions(m, d)\n", "", "tests/test_powers.py",
     ),
     Undone(
-        10, "what is not symmetric in a stiffness is lost to the sum of powers", "kernels/powers.py",
+        10, "what is not symmetric in a stiffness is lost to the sum of powers", "kernels/forces/six_by_six.py",
         "+ 0.5 * lost", "", "tests/test_powers.py",
     ),
     Undone(
-        10, "an actuated strut's tension leaves out its actuator", "kernels/forces.py",
+        10, "an actuated strut's tension leaves out its actuator", "kernels/forces/struts.py",
         "return spring, damper, d.input[m.strut_u[k]] if m.strut_u[k] >= 0 else 0.0",
         "return spring, damper, 0.0",
         "tests/test_powers.py",
@@ -255,18 +257,18 @@ UNDONE = [
         "tests/test_added_mass.py",
     ),
     Undone(
-        11, "added mass that keeps its axes feels products of velocities", "kernels/added_mass.py",
+        11, "added mass that keeps its axes feels products of velocities", "kernels/forces/added_mass.py",
         "    if m.linear_axes[k] == BODY:\n        # the momenta",
         "    if m.linear_axes[k] != HEADING:\n        # the momenta",
         "tests/test_added_mass.py",
     ),
     Undone(
-        11, "added mass that follows the heading has no gyroscopic terms", "kernels/added_mass.py",
+        11, "added mass that follows the heading has no gyroscopic terms", "kernels/forces/added_mass.py",
         "    if m.linear_axes[k] == HEADING:\n        z, yaw", "    if False:\n        z, yaw",
         "tests/test_added_mass.py",
     ),
     Undone(
-        11, "water moves with the inertial frame, not with the ground", "kernels/added_mass.py",
+        11, "water moves with the inertial frame, not with the ground", "kernels/forces/added_mass.py",
         "return m.linear_adds[k] == 1 and m.marker_body[m.linear_from[k]] > 0", "return False",
         "tests/test_added_mass.py",
     ),
@@ -332,8 +334,8 @@ UNDONE = [
         "tests/test_told.py tests/test_starts.py",
     ),
     Undone(
-        13, "light parts cost constraints their digits", "kernels/dynamics.py",
-        "        if d.lightness[0] < constraints.UNEVEN:", "        if False:", "tests/test_light_parts.py",
+        13, "light parts cost constraints their digits", "kernels/dynamics/forward.py",
+        "        if d.lightness[0] < multipliers.UNEVEN:", "        if False:", "tests/test_light_parts.py",
     ),
 ]  # fmt: skip
 """Every kind of mending at least once."""

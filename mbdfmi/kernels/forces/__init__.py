@@ -14,8 +14,8 @@ its rows in layout.py, a line in each list below (docs/contributing.md).
 
 from numba.types import void
 
-from .. import coordinates
 from ..language import apart, kernel
+from ..motion import coordinates
 from ..views import DATA, MODEL
 from . import (
     central_gravity,

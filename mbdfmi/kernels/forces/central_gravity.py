@@ -1,8 +1,8 @@
 """Central gravity: weight towards the origin of O, -mu r / |r|^3 per mass, at each solid's centre of mass."""
 
-from .. import algebra as al
-from .. import markers
 from ..language import inlined
+from ..math import algebra as al
+from ..motion import markers
 
 
 @inlined

@@ -1,7 +1,7 @@
 """Efforts along joint coordinates that are inputs."""
 
-from .. import coordinates
 from ..language import inlined
+from ..motion import coordinates
 
 
 @inlined

@@ -1,7 +1,7 @@
 """Springs and dampers, linear or by a table, for whatever they act along."""
 
-from .. import tables
 from ..language import inlined
+from ..math import tables
 
 
 @inlined

@@ -2,8 +2,8 @@
 
 import math
 
-from .. import coordinates
 from ..language import inlined
+from ..motion import coordinates
 
 
 @inlined

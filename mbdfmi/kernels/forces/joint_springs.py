@@ -1,7 +1,7 @@
 """Springs and dampers along joint coordinates."""
 
-from .. import coordinates
 from ..language import inlined
+from ..motion import coordinates
 from .elastic import damper_effort, spring_effort, stored_energy
 
 

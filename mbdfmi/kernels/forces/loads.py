@@ -1,8 +1,9 @@
 """Wrenches on markers, constant or over time."""
 
-from .. import algebra as al
-from .. import markers, tables
 from ..language import inlined
+from ..math import algebra as al
+from ..math import tables
+from ..motion import markers
 
 
 @inlined

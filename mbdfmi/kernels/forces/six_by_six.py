@@ -2,9 +2,9 @@
 
 import math
 
-from .. import algebra as al
-from .. import markers
 from ..language import inlined
+from ..math import algebra as al
+from ..motion import markers
 
 # axes that damping and added mass are given in: the first marker's, those turned about its z axis by the second one's yaw, or
 # the second one's own

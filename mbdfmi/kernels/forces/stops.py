@@ -1,7 +1,7 @@
 """Bump stops along joint coordinates."""
 
-from .. import coordinates
 from ..language import inlined
+from ..motion import coordinates
 
 
 @inlined

@@ -1,8 +1,8 @@
 """Spring-dampers along the line between two markers, and forces along it that are inputs."""
 
-from .. import algebra as al
-from .. import markers
 from ..language import inlined
+from ..math import algebra as al
+from ..motion import markers
 from .elastic import damper_effort, spring_effort, stored_energy
 
 

@@ -1,8 +1,8 @@
 """Forces and moments on markers that are inputs."""
 
-from .. import algebra as al
-from .. import markers
 from ..language import inlined
+from ..math import algebra as al
+from ..motion import markers
 
 
 @inlined

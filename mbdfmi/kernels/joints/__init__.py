@@ -17,8 +17,8 @@ here, and each has the same functions; below they are chosen by `body_joint`. Al
 To add a kind: a file with these, its row in kinds.py, its branch in each function below (docs/contributing.md).
 """
 
-from .. import algebra as al
 from ..language import inlined
+from ..math import algebra as al
 from . import fixed, free, one_axis, spherical
 from .kinds import (
     FIXED,
@@ -40,9 +40,26 @@ from .kinds import (
 from .told import off_start, put_back, told_motion, told_start, turn_between
 
 __all__ = [
-    "FIXED", "FREE", "KINDS", "N_Q", "N_SLIDE", "N_V", "PRISMATIC", "REVOLUTE", "SPHERICAL",
-    "E_offset", "is_one_axis", "n_q", "n_v", "slides", "turns",
-    "off_start", "put_back", "told_motion", "told_start", "turn_between",
+    "FIXED",
+    "FREE",
+    "KINDS",
+    "N_Q",
+    "N_SLIDE",
+    "N_V",
+    "PRISMATIC",
+    "REVOLUTE",
+    "SPHERICAL",
+    "E_offset",
+    "is_one_axis",
+    "n_q",
+    "n_v",
+    "off_start",
+    "put_back",
+    "slides",
+    "told_motion",
+    "told_start",
+    "turn_between",
+    "turns",
 ]  # fmt: skip
 
 

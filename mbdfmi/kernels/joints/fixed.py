@@ -2,10 +2,10 @@
 
 import math
 
-from .. import algebra as al
-from .. import passing
 from ..language import inlined
+from ..math import algebra as al
 from ..status import OK
+from . import passing
 
 
 @inlined

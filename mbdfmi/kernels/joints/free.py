@@ -3,11 +3,10 @@
 The body takes all that acts on it: only the joint's own effort is passed on to the parent.
 """
 
-from .. import algebra as al
-from .. import passing, virtual
 from ..language import inlined, kernel
+from ..math import algebra as al
 from ..status import OK
-from . import spherical, told
+from . import passing, spherical, told, virtual
 
 
 @inlined

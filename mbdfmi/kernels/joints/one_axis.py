@@ -5,10 +5,10 @@ S = (axis, 0) or (0, axis); U = I_a S, D = S^T U (+ its weight), u = tau - S^T p
 
 import math
 
-from .. import algebra as al
-from .. import passing, virtual
 from ..language import inlined
+from ..math import algebra as al
 from ..status import OK
+from . import passing, virtual
 from .kinds import PRISMATIC, REVOLUTE
 
 

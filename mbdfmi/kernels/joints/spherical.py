@@ -5,11 +5,10 @@ S^T I_a S is the whole rotational block I, so only a mass at the joint is passed
 
 import math
 
-from .. import algebra as al
-from .. import passing, virtual
 from ..language import inlined
+from ..math import algebra as al
 from ..status import OK
-from . import told
+from . import passing, told, virtual
 
 
 @inlined

@@ -2,8 +2,8 @@
 
 import math
 
-from .. import algebra as al
 from ..language import inlined, kernel
+from ..math import algebra as al
 from .kinds import FREE, E_offset, slides
 
 

@@ -1,0 +1,1 @@
+"""Dynamics: inertias, forward and inverse dynamics, constraint rows, projection, the start."""

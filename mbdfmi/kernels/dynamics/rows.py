@@ -1,0 +1,303 @@
+"""Constraint rows: what each says of the motion of its two markers.
+
+A row's Jacobian is a pair of wrenches, one on each body (moment about the body's origin, force; inertial axes): its power on
+the bodies' velocities is g'. `row_gap` is g, `row_rate` g', `row_bias` g'' at zero accelerations.
+
+Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p levers from the bodies' origins to r_b;
+"seen" = relative to a's body. Theory: sections "Constraints" and "Generalized Force due to Reaction": the reaction acts on the material
+point of the first body that is where the second's is.
+"""
+
+import math
+
+from numba.types import void
+
+from ..end_frames import touching
+from ..language import apart, inlined
+from ..math import algebra as al
+from ..motion import coordinates, drives, markers
+from ..views import DATA, MODEL
+
+POINT = 0  # d stays normal to axis i of a
+DOT = 1  # axis i of a stays normal to axis j of b
+DISTANCE = 2  # |d| stays value[0]
+KNIFE = 3  # velocity of b's origin as seen from a has no component along axis j of b
+ROLL_SPHERE = 4  # a sphere of radius value[0] about b's origin rolls on the plane z = 0 of a: component i
+ROLL_DISK = 5  # a thin disk of radius value[0] about z of b rolls there: component i
+COUPLING = 6  # value[0] c_i + value[1] c_j + offset = target of a drive or 0, c joint coordinates
+CONTACT = 7  # row i of contact j
+
+
+@inlined
+def is_of_velocity(m, row):
+    """Whether a row says nothing of positions."""
+    kind = m.row_kind[row]
+    return kind == KNIFE or ((kind == ROLL_SPHERE or kind == ROLL_DISK) and m.row_i[row] < 2)
+
+
+@inlined
+def set_row(d, row, moment_a, force_a, moment_b, force_b):
+    """Store a row's wrenches."""
+    al.set_vec3(d.row_moment_from, row, moment_a)
+    al.set_vec3(d.row_force_from, row, force_a)
+    al.set_vec3(d.row_moment_to, row, moment_b)
+    al.set_vec3(d.row_force_to, row, force_b)
+
+
+@inlined
+def set_residuals(d, row, gap, rate, bias):
+    """Store a row's residuals, the position's from where it rests."""
+    d.row_gap[row] = gap - d.row_rest[row]
+    d.row_rate[row] = rate
+    d.row_bias[row] = bias
+
+
+@inlined
+def set_push(d, row, u, P, p):
+    """A row whose wrenches are unit forces along u on b, -u on a, at levers p and P."""
+    set_row(d, row, al.cross(u, P), al.neg(u), al.cross(p, u), u)
+
+
+@inlined
+def centripetal(w, lever):
+    """w x (w x lever): acceleration of a body's point at zero alpha and rdd."""
+    return al.cross(w, al.cross(w, lever))
+
+
+@inlined
+def axis_of(A, k):
+    """Column k of a rotation matrix, by a choice that is not an index."""
+    if k == 0:
+        return al.column(A, 0)
+
+    if k == 1:
+        return al.column(A, 1)
+
+    return al.column(A, 2)
+
+
+@inlined
+def rolling_contact(kind, radius, A_a, w_a, A_b, w_b):
+    """Contact point of a rolling sphere or disk from b's origin: (lever, its time derivative), inertial axes.
+
+    On a disk it is the rim's point nearest to the plane: -radius along m, the plane's normal N made normal to
+    the disk's axis z. A negative radius stands for the other side of the plane.
+    """
+    N = al.column(A_a, 2)
+    N_rate = al.cross(w_a, N)
+
+    if kind == ROLL_SPHERE:
+        return al.scale(-radius, N), al.scale(-radius, N_rate)
+
+    z = al.column(A_b, 2)
+    z_rate = al.cross(w_b, z)
+    y = al.axpy(-al.dot(N, z), z, N)
+    y_rate = al.axpy(-al.dot(N_rate, z) - al.dot(N, z_rate), z, N_rate)
+    y_rate = al.axpy(-al.dot(N, z), z_rate, y_rate)
+    length = al.norm(y)
+    m = al.scale(1.0 / length, y)
+    m_rate = al.scale(1.0 / length, al.axpy(-al.dot(m, y_rate), m, y_rate))
+    return al.scale(-radius, m), al.scale(-radius, m_rate)
+
+
+@inlined
+def write_coupling(m, d, row):
+    """A coupling of joint coordinates, or the drive of one: value[0] c_i + value[1] c_j + offset = target of the drive.
+
+    Coordinates in the tree take efforts instead of wrenches (see constraints).
+    """
+    i = m.row_i[row]
+    j = m.row_j[row]
+    a = m.row_value[2 * row]
+    b = m.row_value[2 * row + 1]
+    gap = m.row_offset[row] + a * coordinates.value(m, d, i)
+    rate = a * coordinates.rate(m, d, i)
+    bias = a * coordinates.bias(m, d, i)
+    set_row(d, row, al.ZERO3, al.ZERO3, al.ZERO3, al.ZERO3)
+
+    if m.coordinate_kind[i] != coordinates.IN_TREE:
+        moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, i, a)
+        set_row(d, row, moment_a, force_a, moment_b, force_b)
+
+    if j >= 0:
+        gap += b * coordinates.value(m, d, j)
+        rate += b * coordinates.rate(m, d, j)
+        bias += b * coordinates.bias(m, d, j)
+
+        if m.coordinate_kind[j] != coordinates.IN_TREE:
+            moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, j, b)
+            al.set_vec3(d.row_moment_from_2, row, moment_a)
+            al.set_vec3(d.row_force_from_2, row, force_a)
+            al.set_vec3(d.row_moment_to_2, row, moment_b)
+            al.set_vec3(d.row_force_to_2, row, force_b)
+
+    if m.row_drive[row] >= 0:
+        position, speed, acceleration = drives.target(m, d, m.row_drive[row])
+        gap -= position
+        rate -= speed
+        bias -= acceleration
+
+    # its offset is still to be found
+    if d.row_settles[row] > 0.0:
+        gap = 0.0
+
+    set_residuals(d, row, gap, rate, bias)
+
+
+@inlined
+def start_turns(m, d):
+    """Angles outside the tree near which to start: as given, or where their drives want them."""
+    for t in range(m.n_turn):
+        d.x[coordinates.turn(m, t)] = m.turn_start[t]
+
+    for row in range(m.n_row):
+        t = m.coordinate_turn[m.row_i[row]] if m.row_drive[row] >= 0 else -1
+
+        if t >= 0:
+            position, _, _ = drives.target(m, d, m.row_drive[row])
+            d.x[coordinates.turn(m, t)] = position
+
+
+@inlined
+def effort_on(m, row, i):
+    """A coupling's effort in the joint of body i, for a unit multiplier; 0 for other rows."""
+    if m.row_kind[row] != COUPLING:
+        return 0.0
+
+    effort = 0.0
+
+    for side in range(2):
+        k = m.row_i[row] if side == 0 else m.row_j[row]
+
+        if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE and m.coordinate_body[k] == i:
+            effort += m.row_value[2 * row + side]
+
+    return effort
+
+
+@inlined
+def turn_left(kind, A_a, A_b):
+    """Rotation vector (rad, inertial axes) that brings a's axes, or with `kind` 1 its z axis, to b's, where it is beyond 90 deg; else 0.
+
+    The rows are products of axes: they vanish also where axes are antiparallel, or have changed places.
+    """
+    if kind == 1:
+        z_a = al.column(A_a, 2)
+        z_b = al.column(A_b, 2)
+        n = al.cross(z_a, z_b)
+        s = al.norm(n)
+        c = al.dot(z_a, z_b)
+
+        if c >= 0.0:
+            return al.ZERO3
+
+        return al.scale(math.atan2(s, c) / s, n) if s > 0.0 else al.scale(math.pi, al.column(A_a, 0))
+
+    E = al.matrix_E(al.mat_mat(A_b, al.transpose(A_a)))
+    s = math.sqrt(E[0] * E[0] + E[1] * E[1] + E[2] * E[2])
+
+    if s <= abs(E[3]):
+        return al.ZERO3
+
+    angle = 2.0 * math.atan2(s, abs(E[3])) * (1.0 if E[3] >= 0.0 else -1.0)
+    return al.scale(angle / s, (E[0], E[1], E[2]))
+
+
+@inlined
+def aim_parallel(d, row, turn, e_i, e_j):
+    """While assembling, a row of axes more than 90 deg apart: what is left to turn, about its axis at the end. e_i, e_j : of a."""
+    u = al.cross(e_j, e_i)
+    set_row(d, row, al.neg(u), al.ZERO3, u, al.ZERO3)
+    set_residuals(d, row, al.dot(turn, u), 0.0, 0.0)
+
+
+@apart(void(MODEL, DATA))
+def write_rows(m, d):
+    """All rows' wrenches and residuals; needs kinematics."""
+    for c in range(m.n_constraint):
+        a = m.constraint_from[c]
+        b = m.constraint_to[c]
+        body_a = m.marker_body[a]
+        body_b = m.marker_body[b]
+        A_a = markers.axes(m, d, a)
+        A_b = markers.axes(m, d, b)
+        w_a = al.vec3(d.w, body_a)
+        w_b = al.vec3(d.w, body_b)
+        r_b = markers.position(m, d, b)
+        span = al.sub(r_b, markers.position(m, d, a))
+        P = al.sub(r_b, al.vec3(d.r, body_a))
+        p = al.sub(r_b, al.vec3(d.r, body_b))
+        v_b = markers.velocity(m, d, b)
+        seen = al.sub(v_b, markers.point_velocity(m, d, body_a, r_b))
+        swing = al.sub(centripetal(w_b, p), centripetal(w_a, P))
+
+        for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+            kind = m.row_kind[row]
+            i = m.row_i[row]
+            j = m.row_j[row]
+
+            if kind == POINT:
+                u = axis_of(A_a, i)
+                set_push(d, row, u, P, p)
+                bias = al.dot(u, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
+                set_residuals(d, row, al.dot(u, span), al.dot(u, seen), bias)
+
+            elif kind == DOT:
+                e_a = axis_of(A_a, i)
+                e_b = axis_of(A_b, j)
+                e_a_rate = al.cross(w_a, e_a)
+                e_b_rate = al.cross(w_b, e_b)
+                n = al.cross(e_b, e_a)
+                w = al.sub(w_b, w_a)
+                n_rate = al.add(al.cross(e_b_rate, e_a), al.cross(e_b, e_a_rate))
+                set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
+                set_residuals(d, row, al.dot(e_a, e_b), al.dot(w, n), al.dot(w, n_rate))
+
+                if d.assembling[0] > 0.0 and m.row_parallel[row] > 0:
+                    turn = turn_left(m.row_parallel[row], A_a, A_b)
+
+                    if al.dot(turn, turn) > 0.0:
+                        aim_parallel(d, row, turn, e_a, axis_of(A_a, j))
+
+            elif kind == DISTANCE:
+                length = m.row_value[2 * row]
+                u = al.scale(1.0 / length, span)
+                v = al.sub(v_b, markers.velocity(m, d, a))
+                lever = markers.arm(m, d, a)
+                set_push(d, row, u, lever, p)
+                gap = 0.5 * (al.dot(span, span) / length - length) if d.row_settles[row] == 0.0 else 0.0
+                bias = al.dot(v, v) / length
+                bias += al.dot(u, al.sub(centripetal(w_b, p), centripetal(w_a, lever)))
+                set_residuals(d, row, gap, al.dot(u, v), bias)
+
+            elif kind == KNIFE:
+                u = axis_of(A_b, j)
+                swept = al.cross(w_a, al.sub(v_b, al.vec3(d.rd, body_a)))
+                bias = al.dot(u, al.sub(centripetal(w_b, p), swept)) + al.dot(al.cross(w_b, u), seen)
+                set_push(d, row, u, P, p)
+                set_residuals(d, row, 0.0, al.dot(u, seen), bias)
+
+            elif kind == COUPLING:
+                write_coupling(m, d, row)
+
+            elif kind == CONTACT:
+                u, r_c, gap, rate, bias = touching.row(m, d, j, i)
+                set_push(d, row, u, al.sub(r_c, al.vec3(d.r, body_a)), al.sub(r_c, al.vec3(d.r, body_b)))
+                set_residuals(d, row, gap, rate, bias)
+
+            else:
+                u = axis_of(A_a, i)
+                radius = d.row_side[row] * m.row_value[2 * row]
+                to_contact, to_contact_rate = rolling_contact(kind, radius, A_a, w_a, A_b, w_b)
+                r_c = al.add(r_b, to_contact)
+                v_c = al.add(v_b, to_contact_rate)
+                slip = al.sub(
+                    markers.point_velocity(m, d, body_b, r_c), markers.point_velocity(m, d, body_a, r_c)
+                )
+                bias = al.sub(
+                    al.cross(w_b, al.sub(v_c, al.vec3(d.rd, body_b))),
+                    al.cross(w_a, al.sub(v_c, al.vec3(d.rd, body_a))),
+                )
+                gap = al.dot(u, al.add(span, to_contact)) if i == 2 else 0.0
+                set_push(d, row, u, al.add(P, to_contact), al.add(p, to_contact))
+                set_residuals(d, row, gap, al.dot(u, slip), al.dot(u, bias) + al.dot(al.cross(w_a, u), slip))

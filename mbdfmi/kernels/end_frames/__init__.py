@@ -1,0 +1,1 @@
+"""End frames: on curves and surfaces."""

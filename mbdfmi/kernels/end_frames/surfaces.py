@@ -1,0 +1,176 @@
+"""Surfaces by parameters s1 and s2, in their marker's axes: r(s1, s2) and its derivatives.
+
+==========  ===========================================================  ===================
+kind        r                                                            s1, s2
+==========  ===========================================================  ===================
+PLANE       (s1, s2, 0)                                                  m, m
+SPHERE      R (cos s2 cos s1, cos s2 sin s1, sin s2)                     rad, rad
+CYLINDER    (R cos s1, R sin s1, s2)                                     rad, m
+TORUS       ((R + t cos s2) cos s1, (R + t cos s2) sin s1, t sin s2)     rad, rad
+PRISM       a planar curve by s1, moved along z by s2                    the curve's, m
+TABLE       bicubic patches; beyond its edges straight on                as given
+==========  ===========================================================  ===================
+"""
+
+import math
+
+from ..language import inlined, kernel
+from ..math import algebra as al
+from ..math import tables
+from . import curves
+
+PLANE = 0
+SPHERE = 1
+CYLINDER = 2
+TORUS = 3
+PRISM = 4
+TABLE = 5
+
+KINDS = {
+    "plane": PLANE,
+    "sphere": SPHERE,
+    "cylinder": CYLINDER,
+    "torus": TORUS,
+    "prism": PRISM,
+    "table": TABLE,
+}
+
+Z = (0.0, 0.0, 1.0)
+
+
+@inlined
+def cubic(c, at, x):
+    """c0 + c1 x + c2 x^2 + c3 x^3 of four numbers from c[at] on, and its two derivatives."""
+    value = c[at] + x * (c[at + 1] + x * (c[at + 2] + x * c[at + 3]))
+    slope = c[at + 1] + x * (2.0 * c[at + 2] + 3.0 * x * c[at + 3])
+    return value, slope, 2.0 * c[at + 2] + 6.0 * x * c[at + 3]
+
+
+@kernel
+def bicubic(c, at, x, y):
+    """A bicubic polynomial of 16 numbers from c[at] on, powers of y fastest, and its derivatives.
+
+    Returns (value, d/dx, d/dy, d2/dx2, d2/dxdy, d2/dy2).
+    """
+    value = slope_x = slope_y = bend_x = twist = bend_y = 0.0
+
+    # Horner's rule for the polynomial in x whose coefficients are cubics in y
+    for power in range(3, -1, -1):
+        f, f_y, f_yy = cubic(c, at + 4 * power, y)
+        bend_x = 2.0 * slope_x + x * bend_x
+        slope_x = value + x * slope_x
+        value = f + x * value
+        twist = slope_y + x * twist
+        slope_y = f_y + x * slope_y
+        bend_y = f_yy + x * bend_y
+
+    return value, slope_x, slope_y, bend_x, twist, bend_y
+
+
+@inlined
+def patched(m, k, s1, s2):
+    """`point` of a table: its two tables hold the parameters at the edges of the patches."""
+    table1 = m.surface_table[2 * k]
+    table2 = m.surface_table[2 * k + 1]
+    i = tables.interval(m, table1, s1)
+    j = tables.interval(m, table2, s2)
+    across = m.table_knots[table2] - 1
+    at = 48 * (m.surface_patch[k] + (i - m.table_knot[table1]) * across + j - m.table_knot[table2])
+    u = s1 - m.knot_x[i]
+    v = s2 - m.knot_x[j]
+    x = bicubic(m.patch_c, at, u, v)
+    y = bicubic(m.patch_c, at + 16, u, v)
+    z = bicubic(m.patch_c, at + 32, u, v)
+    return (
+        (x[0], y[0], z[0]),
+        (x[1], y[1], z[1]),
+        (x[2], y[2], z[2]),
+        (x[3], y[3], z[3]),
+        (x[4], y[4], z[4]),
+        (x[5], y[5], z[5]),
+    )
+
+
+@kernel
+def point(m, k, s1, s2):
+    """(r, r_1, r_2, r_11, r_12, r_22) of surface k at (s1, s2), in its marker's axes.
+
+    Indices stand for derivatives by s1 and s2.
+    """
+    kind = m.surface_kind[k]
+    R = m.surface_value[2 * k]
+    zero = al.ZERO3
+
+    if kind == PLANE:
+        return (s1, s2, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), zero, zero, zero
+
+    if kind == PRISM:
+        r, t, tt = curves.point(m, m.surface_curve[k], s1)
+        return al.axpy(s2, Z, r), t, Z, tt, zero, zero
+
+    if kind == TABLE:
+        return patched(m, k, s1, s2)
+
+    x = (math.cos(s1), math.sin(s1), 0.0)
+    y = (-x[1], x[0], 0.0)
+
+    if kind == CYLINDER:
+        return al.axpy(s2, Z, al.scale(R, x)), al.scale(R, y), Z, al.scale(-R, x), zero, zero
+
+    # sphere: a tube of radius R about a circle of none
+    tube = R
+
+    if kind == SPHERE:
+        R = 0.0
+    else:
+        tube = m.surface_value[2 * k + 1]
+
+    c = tube * math.cos(s2)
+    s = tube * math.sin(s2)
+    out = al.axpy(s, Z, al.scale(c, x))
+    r = al.axpy(R, x, out)
+    return (
+        r,
+        al.scale(R + c, y),
+        al.axpy(c, Z, al.scale(-s, x)),
+        al.scale(-(R + c), x),
+        al.scale(-s, y),
+        al.neg(out),
+    )
+
+
+@inlined
+def window(m, k, p):
+    """(lowest, highest) s1 and s2 at which surface k may be closest to the point p (m)."""
+    kind = m.surface_kind[k]
+    turn = 2.0 * math.pi
+
+    if kind == PLANE:
+        return (p[0], p[0]), (p[1], p[1])
+
+    if kind == PRISM:
+        return curves.window(m, m.surface_curve[k], p, 0.0), (p[2], p[2])
+
+    if kind == TABLE:
+        one = m.surface_table[2 * k]
+        two = m.surface_table[2 * k + 1]
+        return (tables.first(m, one), tables.last(m, one)), (
+            tables.first(m, two),
+            tables.last(m, two),
+        )
+
+    if kind == CYLINDER:
+        return (0.0, turn), (p[2], p[2])
+
+    return (-0.5 * turn, 0.5 * turn), (-0.5 * turn, 0.5 * turn)
+
+
+@inlined
+def pieces(m, k):
+    """Numbers of pieces of surface k along s1 and s2."""
+    if m.surface_kind[k] == TABLE:
+        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[
+            m.surface_table[2 * k + 1]
+        ] - 1
+
+    return (curves.pieces(m, m.surface_curve[k]) if m.surface_kind[k] == PRISM else 1), 1

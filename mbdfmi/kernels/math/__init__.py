@@ -1,0 +1,1 @@
+"""Mathematics of the kernels: tuples, tables, small linear systems."""

@@ -1,0 +1,1 @@
+"""Motion: poses and velocities of bodies and markers, joint coordinates, what is prescribed."""

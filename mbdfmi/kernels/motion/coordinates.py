@@ -1,0 +1,154 @@
+"""Scalar coordinates of joints: what springs, dampers, friction, stops, drives and outputs of one freedom refer to.
+
+A joint of the tree has its coordinate in the state. One that closes a loop has it between its two markers (a, b): the
+angle of b's x axis about a's z axis, or the displacement of b along it. The markers tell such an angle but for full turns. These are
+told by a state of its own, integrated along with the others at the angle's rate: so the angle is right however far a step leads. It is
+set to the angle wherever positions are projected.
+"""
+
+import math
+
+from ..language import inlined
+from ..math import algebra as al
+from . import markers
+
+IN_TREE = 0
+ANGLE = 1
+SLIDE = 2
+
+
+@inlined
+def unwrapped(angle, near):
+    """The angle (rad) plus the number of turns that brings it closest to `near`."""
+    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
+
+
+@inlined
+def turn(m, t):
+    """Where angle t of those outside the tree stands in x."""
+    return m.n_q + m.n_v + m.n_s + t
+
+
+@inlined
+def value(m, d, k):
+    """Coordinate k (rad or m)."""
+    if m.coordinate_kind[k] == IN_TREE:
+        return d.x[m.body_q[m.coordinate_body[k]]]
+
+    a = m.coordinate_from[k]
+    b = m.coordinate_to[k]
+
+    if m.coordinate_kind[k] == SLIDE:
+        return markers.relative_position(m, d, a, b)[2]
+
+    A = markers.relative_axes(m, d, a, b)
+    return unwrapped(math.atan2(A[1][0], A[0][0]), d.x[turn(m, m.coordinate_turn[k])])
+
+
+@inlined
+def rate(m, d, k):
+    """Rate of coordinate k (rad/s or m/s)."""
+    if m.coordinate_kind[k] == IN_TREE:
+        return d.x[m.n_q + m.body_v[m.coordinate_body[k]]]
+
+    a = m.coordinate_from[k]
+    b = m.coordinate_to[k]
+
+    if m.coordinate_kind[k] == SLIDE:
+        return markers.relative_velocity(m, d, a, b)[2]
+
+    return markers.relative_angular_velocity(m, d, a, b)[2]
+
+
+@inlined
+def acceleration(m, d, k):
+    """Second rate of coordinate k (rad/s2 or m/s2); needs the accelerations."""
+    if m.coordinate_kind[k] == IN_TREE:
+        return d.x_rate[m.n_q + m.body_v[m.coordinate_body[k]]]
+
+    a = m.coordinate_from[k]
+    b = m.coordinate_to[k]
+
+    if m.coordinate_kind[k] == SLIDE:
+        return markers.relative_acceleration(m, d, a, b)[2]
+
+    return markers.relative_angular_acceleration(m, d, a, b)[2]
+
+
+@inlined
+def bias(m, d, k):
+    """Second rate of coordinate k at zero accelerations of the bodies (IN_TREE: of the state)."""
+    if m.coordinate_kind[k] == IN_TREE:
+        return 0.0
+
+    a = m.coordinate_from[k]
+    b = m.coordinate_to[k]
+    body_a = m.marker_body[a]
+    w_a = al.vec3(d.w, body_a)
+    w_b = al.vec3(d.w, m.marker_body[b])
+    z = along(m, d, k)
+
+    if m.coordinate_kind[k] == ANGLE:
+        return al.dot(al.cross(w_a, z), w_b)
+
+    r = markers.position(m, d, b)
+    seen = al.sub(markers.velocity(m, d, b), markers.point_velocity(m, d, body_a, r))
+    swing = al.sub(
+        al.cross(w_b, al.cross(w_b, markers.arm(m, d, b))),
+        al.cross(w_a, al.cross(w_a, al.sub(r, al.vec3(d.r, body_a)))),
+    )
+    return al.dot(z, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
+
+
+@inlined
+def along(m, d, k):
+    """The axis of a coordinate that is not in the tree (unit vector, inertial axes)."""
+    A = markers.axes(m, d, m.coordinate_from[k])
+    return (A[0][2], A[1][2], A[2][2])
+
+
+@inlined
+def wrenches(m, d, k, effort):
+    """Wrenches about the bodies' origins of an effort along coordinate k not in the tree.
+
+    (moment, force on the first side's body, moment, force on the second's), inertial axes.
+    """
+    u = al.scale(effort, along(m, d, k))
+
+    if m.coordinate_kind[k] == ANGLE:
+        return al.neg(u), al.ZERO3, u, al.ZERO3
+
+    b = m.coordinate_to[k]
+    P = al.sub(markers.position(m, d, b), al.vec3(d.r, m.marker_body[m.coordinate_from[k]]))
+    return al.cross(u, P), al.neg(u), al.cross(markers.arm(m, d, b), u), u
+
+
+@inlined
+def add_effort(m, d, k, effort):
+    """An effort (N m or N) along coordinate k, on its second side; its reaction on the first."""
+    if m.coordinate_kind[k] == IN_TREE:
+        d.tau[m.body_v[m.coordinate_body[k]]] += effort
+        return
+
+    d.coordinate_effort[k] += effort
+    moment_a, force_a, moment_b, force_b = wrenches(m, d, k, effort)
+    body_a = m.marker_body[m.coordinate_from[k]]
+    body_b = m.marker_body[m.coordinate_to[k]]
+    al.add_vec3(d.moment, body_a, moment_a)
+    al.add_vec3(d.force, body_a, force_a)
+    al.add_vec3(d.moment, body_b, moment_b)
+    al.add_vec3(d.force, body_b, force_b)
+
+
+@inlined
+def turn_rates(m, d):
+    """Rates of the angles outside the tree into d.x_rate; needs kinematics."""
+    for t in range(m.n_turn):
+        d.x_rate[turn(m, t)] = rate(m, d, m.turn_coordinate[t])
+
+
+@inlined
+def read_turns(m, d):
+    """The angles outside the tree as they are, on the turn closest to that in d.x; needs kinematics."""
+    for t in range(m.n_turn):
+        d.x[turn(m, t)] = value(m, d, m.turn_coordinate[t])

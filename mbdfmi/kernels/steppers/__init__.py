@@ -1,0 +1,1 @@
+"""Steppers: what integrates the state over a communication step."""

@@ -1,0 +1,435 @@
+"""Explicit steppers: classical Runge-Kutta with a fixed step, embedded pairs with an adaptive one.
+
+After each accepted inner step the state is projected: Euler parameters to unit length, positions and velocities
+onto the constraints.
+
+Where inputs go on as they were, the inner steps of a pair do not stop at communication points: the integrator's front
+lies ahead, and the state at the communication point is read off the step's continuous extension, then projected. The
+front waits in the state. When an input jumps at the communication point, it is given up and the motion goes on from there.
+"""
+
+import math
+
+from numba.types import Tuple, boolean, float64, int64
+
+from .. import joints
+from ..dynamics.projection import keep_x, project, restore_x
+from ..dynamics.rates import evaluate, is_finite, set_time, store_rate
+from ..language import apart, inlined, kernel
+from ..math import algebra as al
+from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
+from ..views import DATA, MODEL
+from . import control
+from .tableaux import (
+    DENSE,
+    DENSE_COUNT,
+    ERRORS,
+    GAP_COUNT,
+    GAPS,
+    NODES,
+    ORDER,
+    STABLE,
+    STAGE_COUNT,
+    STAGE_TOTAL,
+    STAGES,
+)
+
+# a step that would end this close behind the communication point ends there
+SLACK = 0.01
+
+# estimated error of a continuous extension, 1: just allowed at the end of a step, that is allowed for what is read off it: of a
+# smooth motion, which the estimate exaggerates; and of one with kinks, or stiff, where it is far above that of the step
+EXTENSION_ALLOWED = 20.0
+UNSEEN_ALLOWED = 3.0
+UNSEEN = 3.0
+
+# steps at the border of stability in a row, bar a few, that make a motion stiff (HW II, section IV.2)
+STIFF_AFTER = 15.0
+STIFF_PARDON = 6.0
+
+# h |lambda| of a decaying motion that lasts, and the cosine that tells decay
+STIFF_DECAY = 1.5
+ALONG = 0.9
+
+
+@apart(Tuple((int64, float64))(MODEL, DATA, float64))
+def rk4(m, d, H):
+    """Classical Runge-Kutta method of order 4: equal inner steps of at most m.step over H (s).
+
+    Returns (status, time reached within H).
+    """
+    n = m.n_x
+    n_step, h = control.equal_steps(H, m.step[0])
+    step = 0
+
+    while step < n_step:
+        s = step * h
+
+        if control.is_spent(d):
+            return status(TOO_MUCH_WORK, 0), s
+
+        keep_x(m, d)
+
+        for stage in range(4):
+            c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+
+            if stage > 0:
+                for k in range(n):
+                    d.x[k] = d.x_before[k] + c * h * d.stage[(stage - 1) * n + k]
+
+            failure = evaluate(m, d, s + c * h)
+
+            if failure != OK:
+                restore_x(m, d)
+                return failure, s
+
+            store_rate(m, d, stage)
+
+        for k in range(n):
+            slope = d.stage[k] + 2.0 * (d.stage[n + k] + d.stage[2 * n + k]) + d.stage[3 * n + k]
+            d.x[k] = d.x_before[k] + h / 6.0 * slope
+
+        failure = control.accept(m, d, s + h)
+
+        if failure != OK:
+            return failure, s
+
+        step += 1
+
+    return OK, H
+
+
+@inlined
+def advance(m, d, pair, stage, step):
+    """d.x for a stage of a pair, from x_before and the rates of the stages before."""
+    n = m.n_x
+
+    for k in range(n):
+        slope = 0.0
+
+        for j in range(stage):
+            slope += STAGES[pair, stage, j] * d.stage[j * n + k]
+
+        d.x[k] = d.x_before[k] + step * slope
+
+
+@inlined
+def local_error(m, d, pair, step):
+    """(estimated error of a step, its estimate of order 5 alone). 1: just allowed. Root mean square over the weighed states.
+
+    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (Hairer, Norsett, Wanner I, eq. II.10.17).
+    """
+    n = m.n_x
+    squares = 0.0
+    rough = 0.0
+
+    for k in range(n):
+        fine = 0.0
+        coarse = 0.0
+
+        for j in range(STAGE_COUNT[pair]):
+            fine += ERRORS[pair, 0, j] * d.stage[j * n + k]
+            coarse += ERRORS[pair, 1, j] * d.stage[j * n + k]
+
+        fine /= d.x_scale[k]
+        coarse /= d.x_scale[k]
+        squares += fine * fine
+        rough += coarse * coarse
+
+    if squares == 0.0:
+        return 0.0, 0.0
+
+    return step * squares / math.sqrt((squares + 0.01 * rough) * n), step * math.sqrt(squares / n)
+
+
+@inlined
+def extension_error(m, d, pair, step, fine):
+    """(estimated error of a continuous extension with stages of its own, whether the step's own estimate sees hardly any of it).
+
+    1: just allowed at the end of a step.
+
+    Those stages tell what the others have not seen, a kink, and magnify what a stiff motion leaves of it. The extension misses
+    the states at which their rates were found by O(h^7) where the motion is smooth; that, weighed so that an error in one of
+    these rates counts as much as in the extension, is damped to O(h^8) by the step's estimate of order 5, `fine`.
+    """
+    n = m.n_x
+    squares = 0.0
+
+    for k in range(n):
+        for i in range(GAP_COUNT[pair]):
+            gap = 0.0
+
+            for j in range(STAGE_TOTAL[pair]):
+                gap += GAPS[i, j] * d.stage[j * n + k]
+
+            gap *= step / d.x_scale[k]
+            squares += gap * gap
+
+    if squares == 0.0:
+        return 0.0, False
+
+    squares /= n
+    return squares / math.sqrt(squares + fine * fine / 16.0), squares > UNSEEN * UNSEEN * fine * fine
+
+
+@inlined
+def keep_last_rate(m, d, pair):
+    """The last stage becomes the first of the next step: unit length changed the rates of Euler parameters alone."""
+    n = m.n_x
+    last = (STAGE_COUNT[pair] - 1) * n
+
+    for k in range(n):
+        d.stage[k] = d.stage[last + k]
+
+    for i in range(1, m.n_body):
+        k = joints.E_offset(m.body_joint[i])
+
+        if k >= 0:
+            k += m.body_q[i]
+            rate = al.E_rate(al.E_at(d.x, k), al.vec_at(d.x, m.n_q + m.body_v[i] + joints.E_offset(m.body_joint[i])))
+            al.set_E_at(d.stage, k, rate)
+
+
+@kernel
+def find_extension(m, d, pair, s, step):
+    """The continuous extension of an accepted step from s (s) on, between x_before and d.front. Returns a status.
+
+    Leaves d.x at the front. Needs all stages of the step.
+    """
+    n = m.n_x
+    failure = OK
+
+    for stage in range(STAGE_COUNT[pair], STAGE_TOTAL[pair]):
+        advance(m, d, pair, stage, step)
+        failure = evaluate(m, d, s + NODES[pair, stage] * step)
+
+        if failure != OK:
+            break
+
+        store_rate(m, d, stage)
+
+    first = 0
+    last = (STAGE_COUNT[pair] - 1) * n
+
+    for k in range(n):
+        change = d.front[k] - d.x_before[k]
+        d.dense[k] = change
+        d.dense[n + k] = step * d.stage[first + k] - change
+        d.dense[2 * n + k] = 2.0 * change - step * (d.stage[first + k] + d.stage[last + k])
+
+        for i in range(3, DENSE_COUNT[pair]):
+            slope = 0.0
+
+            for j in range(STAGE_TOTAL[pair]):
+                slope += DENSE[pair, i - 3, j] * d.stage[j * n + k]
+
+            d.dense[i * n + k] = step * slope
+
+        d.x[k] = d.front[k]
+
+    d.span[0] = step
+    return failure
+
+
+@apart(int64(MODEL, DATA, int64, float64))
+def extend(m, d, pair, H):
+    """d.x at H (s) by the continuous extension of the step that leads to the front, projected. Returns a status."""
+    n = m.n_x
+    theta = 1.0 - (d.ahead[0] - H) / d.span[0]
+
+    for k in range(n):
+        value = 0.0
+
+        for j in range(DENSE_COUNT[pair] - 1, -1, -1):
+            value = (value + d.dense[j * n + k]) * (theta if j % 2 == 0 else 1.0 - theta)
+
+        d.x[k] = d.front[k] - d.dense[k] + value
+
+    set_time(m, d, H)
+    return project(m, d)
+
+
+@inlined
+def is_at_border(m, d, pair, step):
+    """Whether a step is at the border of stability by the last two stages, both of the end of the step.
+
+    For a change of state (dq, dv) of an eigenvalue lambda, dv' = lambda dv = lambda^2 dq. Where it decays (dv' against dv), the
+    border is lower: such a motion would be gone after some steps if it were part of the solution.
+    """
+    n = m.n_x
+    last = STAGE_COUNT[pair] - 1
+    position = 0.0
+    velocity = 0.0
+    acceleration = 0.0
+    power = 0.0
+
+    for k in range(m.n_q + m.n_v):
+        slope = 0.0
+
+        for j in range(last):
+            slope += (STAGES[pair, last, j] - STAGES[pair, last - 1, j]) * d.stage[j * n + k]
+
+        if k < m.n_q:
+            position += slope * slope
+        else:
+            velocity += slope * slope
+            rate = d.stage[last * n + k] - d.stage[(last - 1) * n + k]
+            acceleration += rate * rate
+            power += rate * slope
+
+    if acceleration == 0.0 or position == 0.0 or velocity == 0.0:
+        return False
+
+    decays = power < -ALONG * math.sqrt(velocity * acceleration)
+    z = min(math.sqrt(acceleration / velocity), math.sqrt(step * math.sqrt(acceleration / position)))
+    return z > (STIFF_DECAY if decays else STABLE[pair])
+
+
+@inlined
+def is_stiff(m, d, pair, step):
+    """Whether the steps have long been at the border of stability."""
+    if is_at_border(m, d, pair, step):
+        d.pardon[0] = 0.0
+        d.stiff_steps[0] += 1.0
+        return d.stiff_steps[0] >= STIFF_AFTER
+
+    d.pardon[0] += 1.0
+
+    if d.pardon[0] >= STIFF_PARDON:
+        d.stiff_steps[0] = 0.0
+
+    return False
+
+
+@apart(Tuple((int64, float64))(MODEL, DATA, float64, float64, int64, boolean, boolean))
+def adaptive(m, d, s, H, pair, onward, watch):
+    """An explicit Runge-Kutta pair with adaptive inner steps from s to H (s) of the communication step.
+
+    onward : steps may lead past H, for nothing is known to change there. watch : give up when the motion is stiff.
+    The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns
+    (status, time reached within H); status CHANGE_METHOD when it gave up.
+    """
+    h = d.next_step[pair]
+    known = control.recall_rate(m, d)
+    failure = OK
+    stiff = False
+    spent = False
+
+    while s < H:
+        if control.is_spent(d):
+            spent = True
+            break
+
+        if not known:
+            failure = evaluate(m, d, s)
+
+            if failure != OK:
+                return failure, s
+
+            store_rate(m, d, 0)
+            known = True
+
+        control.weigh(m, d)
+
+        if not h > 0.0:
+            h = control.first_step(m, d, H, 0)
+
+        h = min(h, m.max_step[0])
+        left = H - s
+        cut = h >= left * (1.0 - 1e-9)
+        passes = cut and onward and h > left * (1.0 + SLACK)
+        step = left if cut and not passes else h
+
+        if not s + step > s:
+            return control.too_small(0.0 < step < math.inf, OK), s
+
+        keep_x(m, d)
+
+        for stage in range(1, STAGE_COUNT[pair]):
+            advance(m, d, pair, stage, step)
+            failure = evaluate(m, d, s + NODES[pair, stage] * step)
+
+            if failure != OK:
+                break
+
+            store_rate(m, d, stage)
+
+        error, fine = local_error(m, d, pair, step)
+        estimate = error
+        finite = failure == OK and error < math.inf and is_finite(d, m.n_x)
+
+        if finite and error <= 1.0:
+            failure = project(m, d)
+            finite = failure == OK
+
+        if finite and error <= 1.0 and passes:
+            for k in range(m.n_x):
+                d.front[k] = d.x[k]
+
+            failure = find_extension(m, d, pair, s, step)
+            extension, unseen = extension_error(m, d, pair, step, fine)
+            finite = failure == OK and extension < math.inf
+            estimate = max(error, extension)
+
+            # where the motion is smooth and the extension good, the step is what it would be without
+            if unseen:
+                error = max(error, extension / UNSEEN_ALLOWED)
+            elif extension > EXTENSION_ALLOWED:
+                error = extension / EXTENSION_ALLOWED
+
+        if finite and error <= 1.0:
+            stiff = watch and is_stiff(m, d, pair, step)
+            known = m.n_row == 0
+
+            if known:
+                keep_last_rate(m, d, pair)
+
+            if passes:
+                control.remember_rate(m, d, known)
+                d.ahead[0] = s + step
+
+                failure = extend(m, d, pair, H)
+
+                if failure != OK:
+                    # no way to read the state off there: end a step there instead
+                    restore_x(m, d)
+                    d.ahead[0] = 0.0
+                    known = False
+                    onward = False
+                    continue
+
+                d.ahead[0] -= H
+
+            s = H if cut else s + step
+            d.steps[0] += 1.0
+            d.error_sum[0] += estimate
+            proposed = step * control.pi_factor(error, d.error_before[0], ORDER[pair])
+            d.error_before[0] = max(error, control.LEAST_ERROR)
+
+            # a step that the end cut short says little about a longer one
+            h = max(h, proposed) if cut and step < h else proposed
+
+            if stiff:
+                break
+
+        else:
+            restore_x(m, d)
+            d.rejected[0] += 1.0
+            h = step * (max(control.SHRINK, control.SAFETY * error ** -(1.0 / ORDER[pair])) if finite else 0.1)
+
+            if not h >= control.least_step(H):
+                if watch and finite:
+                    stiff = True
+                    break
+
+                return control.too_small(finite, failure), s
+
+    d.next_step[pair] = h
+
+    if not (s == H and d.ahead[0] > 0.0):
+        control.remember_rate(m, d, known)
+
+    if spent:
+        return status(TOO_MUCH_WORK, 0), s
+
+    return (status(CHANGE_METHOD, 0) if stiff else OK), s

@@ -1,0 +1,192 @@
+"""The steppers by name, and how one of them takes the state over a communication step.
+
+All keep to x' = f(t, x, u(t)) over a communication step, then project(x). Time inside it is counted from its start, so
+results do not depend on how a master sums its time. What a stepper remembers across communication points (the step to try
+next, rates, a Jacobian) stands in the state: a restored run goes on to the same bits.
+"""
+
+from ..dynamics.projection import keep_x, restore_x
+from ..language import inlined, kernel
+from ..motion import commands
+from ..status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
+from . import control, explicit, gauss, implicit
+from .tableaux import N_DENSE, PAIR_54, PAIR_853
+
+RK54 = PAIR_54
+RK853 = PAIR_853
+RK4 = 2
+RADAU = 3
+ROS2 = 4
+GAUSS = 5
+AUTO = 6
+
+INTEGRATORS = {
+    "auto": AUTO,
+    "rk4": RK4,
+    "rk54": RK54,
+    "rk853": RK853,
+    "radau": RADAU,
+    "ros2": ROS2,
+    "gauss": GAUSS,
+}
+
+
+# `auto` stays explicit in models of more states: the Jacobian stands in every snapshot
+MOST_STATES = 500
+
+
+def memory(integrator: str, n_x: int) -> tuple[int, int]:
+    """What an integrator keeps of each of n_x states: (rows of `dense`, 1 if it needs a Jacobian)."""
+    rows = {"auto": N_DENSE, "rk54": N_DENSE, "rk853": N_DENSE, "radau": 3, "gauss": gauss.COUNT}
+    implicit = integrator in ("radau", "ros2") or (integrator == "auto" and n_x <= MOST_STATES)
+    return rows.get(integrator, 0), int(implicit)
+
+
+@kernel
+def inputs_go_on(m, d):
+    """Whether the inputs are those of the communication step before, and remember them. They must not vary in a step."""
+    n = m.n_u
+    same = n == 0 or d.u_known[0] == 1.0
+    constant = True
+
+    for k in range(n):
+        same = same and d.u_buffer[k] == d.u_before[k]
+        d.u_before[k] = d.u_buffer[k]
+
+        for row in range(1, commands.N_DERIVATIVE):
+            constant = constant and d.u_buffer[row * n + k] == 0.0
+
+    d.u_varies[0] = 0.0 if constant else 1.0
+    constant = constant and commands.is_at_rest(m, d)
+    d.u_known[0] = 1.0 if constant else 0.0
+    return same and constant
+
+
+@kernel
+def start(m, d):
+    """Nothing to remember yet."""
+    control.forget(d)
+    d.u_known[0] = 0.0
+    d.jacobian_known[0] = 0.0
+    d.lu_step[0] = 0.0
+    d.lu_known[0] = 0.0
+    d.radau_step[0] = 0.0
+    d.next_step[PAIR_54] = 0.0
+    d.next_step[PAIR_853] = 0.0
+    d.stiff_steps[0] = 0.0
+    d.pardon[0] = 0.0
+    d.easy_steps[0] = 0.0
+    d.radius[0] = 0.0
+    d.steps[0] = 0.0
+    d.rejected[0] = 0.0
+    d.evaluations[0] = 0.0
+    d.error_sum[0] = 0.0
+    d.method[0] = m.integrator
+
+    if m.integrator == AUTO:
+        d.method[0] = RK853
+
+
+@inlined
+def go_to_front(m, d, H, pair):
+    """With the front ahead: to it, when it lies in this communication step, else to H (s). Returns the time reached."""
+    if d.ahead[0] > H * (1.0 + 1e-14):
+        keep_x(m, d)
+
+        if explicit.extend(m, d, pair, H) == OK:
+            d.ahead[0] -= H
+            return H
+
+        restore_x(m, d)
+        control.forget(d)
+        return 0.0
+
+    s = min(H, d.ahead[0])
+    d.ahead[0] = 0.0
+
+    for k in range(m.n_x):
+        d.x[k] = d.front[k]
+
+    return s
+
+
+@kernel
+def adaptive(m, d, H, onward):
+    """By a pair or Radau's method, whichever is in use; `auto` changes between them. Returns (status, time reached)."""
+    auto = m.integrator == AUTO
+    watch = auto and m.n_jacobian > 0
+    s = 0.0
+    failure = OK
+
+    if d.ahead[0] > 0.0:
+        s = go_to_front(m, d, H, pair_in_use(d))
+    elif auto and d.method[0] != RADAU:
+        d.method[0] = pair_for(d, H, onward)
+
+    while s < H:
+        if d.method[0] == RADAU:
+            failure, s = implicit.radau(m, d, s, H, watch)
+        else:
+            failure, s = explicit.adaptive(m, d, s, H, pair_in_use(d), onward, watch)
+
+        if failure != status(CHANGE_METHOD, 0):
+            break
+
+        change_method(m, d)
+        failure = OK
+
+    return failure, s
+
+
+@inlined
+def pair_in_use(d):
+    """The explicit pair of d.method; one of them, whatever a state from outside says."""
+    return PAIR_54 if d.method[0] == RK54 else PAIR_853
+
+
+@inlined
+def pair_for(d, H, onward):
+    """The pair that `auto` takes: of order 8, but of order 5 where inputs jump so often that either makes one step of it."""
+    many = d.next_step[RK54] > 0.0 and d.next_step[RK54] < 0.5 * H
+    return RK853 if onward or many or d.next_step[RK853] < 2.0 * H else RK54
+
+
+@inlined
+def change_method(m, d):
+    """From a pair to Radau's method or back; says so in the log."""
+    control.forget(d)
+    d.stiff_steps[0] = 0.0
+    d.easy_steps[0] = 0.0
+    d.jacobian_known[0] = 0.0
+
+    if d.method[0] == RADAU:
+        d.method[0] = RK853
+        d.next_step[RK853] = 0.0
+        tell(d, status(NOT_STIFF, 0), 0.0, 0.0)
+    else:
+        d.radau_step[0] = d.next_step[pair_in_use(d)]
+        d.method[0] = RADAU
+        tell(d, status(STIFF, 0), 0.0, 0.0)
+
+
+@kernel
+def advance(m, d, H, onward):
+    """The state by H (s); `onward`: inputs stay as they were. Returns (status, time reached within H)."""
+    if not onward:
+        control.forget(d)
+
+    control.limit_work(m, d)
+
+    if m.integrator == RK4:
+        failure, reached = explicit.rk4(m, d, H)
+    elif m.integrator == ROS2:
+        failure, reached = implicit.ros2(m, d, H)
+    elif m.integrator == GAUSS:
+        failure, reached = gauss.gauss(m, d, H)
+    else:
+        failure, reached = adaptive(m, d, H, onward)
+
+    if failure != OK:
+        control.forget(d)
+
+    return failure, reached
