@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from test_kernels_algebra import tuples
 
 from mbdfmi.kernels.math import algebra as al
-from mbdfmi.kernels.motion import commands
+from mbdfmi.kernels.motion import rotations
 
 RNG = np.random.default_rng(5)
 H = 4e-3
@@ -42,7 +42,7 @@ def assert_turns(found, turn):
 def test_a_rotation_vector_that_moves(size):
     for phi, rate, second in RNG.normal(size=(4, 3, 3)):
         phi *= size / np.linalg.norm(phi)
-        found = commands.rotation_of_vector(tuples(phi), tuples(rate), tuples(second))
+        found = rotations.rotation_of_vector(tuples(phi), tuples(rate), tuples(second))
         assert_turns(found, lambda t: Rotation.from_rotvec(phi + rate * t + second * t * t / 2))
 
 
@@ -51,15 +51,15 @@ def test_the_rate_of_a_rotation_vector(size):
     """The inverse of the above."""
     for phi, rate in RNG.normal(size=(4, 2, 3)):
         phi *= size / np.linalg.norm(phi)
-        w = commands.rotation_of_vector(tuples(phi), tuples(rate), al.ZERO3)[1]
-        assert_allclose(commands.rate_of_rotation(tuples(phi), w), rate, rtol=0, atol=1e-13)
+        w = rotations.rotation_of_vector(tuples(phi), tuples(rate), al.ZERO3)[1]
+        assert_allclose(rotations.rate_of_rotation(tuples(phi), w), rate, rtol=0, atol=1e-13)
 
 
 def test_series_meet_the_closed_forms():
     """A vector just below and just above where one takes over from the other, that spins as it likes."""
     rate, second = map(tuples, RNG.normal(size=(2, 3)))
     phi = np.array([0.6, 0.0, 0.8])
-    below, above = (commands.rotation_of_vector(tuples(s * phi), rate, second) for s in (0.1 - 1e-13, 0.1 + 1e-13))
+    below, above = (rotations.rotation_of_vector(tuples(s * phi), rate, second) for s in (0.1 - 1e-13, 0.1 + 1e-13))
 
     for a, b in zip(below, above):
         assert_allclose(a, b, rtol=0, atol=1e-11)
@@ -73,7 +73,7 @@ def test_yaw_pitch_and_roll_that_move(turns):
     def turn(t):
         return Rotation.from_euler("ZYX", angles + rates * t + seconds * t * t / 2)
 
-    assert_turns(commands.rotation_of_zyx(tuples(angles), tuples(rates), tuples(seconds)), turn)
+    assert_turns(rotations.rotation_of_zyx(tuples(angles), tuples(rates), tuples(seconds)), turn)
 
 
 @pytest.mark.parametrize("length", [0.4, 1.0, 3.0])
@@ -85,7 +85,7 @@ def test_euler_parameters_of_any_length_that_move(length):
     def turn(t):
         return Rotation.from_quat(E + rate * t * length + second * t * t * length / 2)
 
-    found = commands.rotation_of_E(tuples(E), tuples(length * rate), tuples(length * second))
+    found = rotations.rotation_of_E(tuples(E), tuples(length * rate), tuples(length * second))
     A, w, alpha = by_differences(turn)
     assert_allclose(Rotation.from_quat(found[0]).as_matrix(), A.as_matrix(), rtol=0, atol=1e-14)
     assert_allclose(found[1], w, rtol=0, atol=1e-7)
@@ -95,7 +95,7 @@ def test_euler_parameters_of_any_length_that_move(length):
 def test_rotation_vectors_equal_scipy():
     for E in RNG.normal(size=(8, 4)):
         E /= np.linalg.norm(E)
-        assert_allclose(commands.rotation_vector(tuples(E)), Rotation.from_quat(E).as_rotvec(), rtol=0, atol=1e-14)
+        assert_allclose(rotations.rotation_vector(tuples(E)), Rotation.from_quat(E).as_rotvec(), rtol=0, atol=1e-14)
 
-    assert commands.rotation_vector((0.0, 0.0, 0.0, 1.0)) == (0.0, 0.0, 0.0)
-    assert_allclose(commands.rotation_vector((1e-9, 0.0, -2e-9, 1.0)), (2e-9, 0, -4e-9), rtol=1e-12)
+    assert rotations.rotation_vector((0.0, 0.0, 0.0, 1.0)) == (0.0, 0.0, 0.0)
+    assert_allclose(rotations.rotation_vector((1e-9, 0.0, -2e-9, 1.0)), (2e-9, 0, -4e-9), rtol=1e-12)

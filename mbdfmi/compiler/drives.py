@@ -4,7 +4,7 @@ import numpy as np
 
 from ..kernels import outputs
 from ..kernels.dynamics import rows
-from ..kernels.motion import commands, drives
+from ..kernels.motion import courses, drives
 from .joints import COORDINATES
 from .variables import dotted
 
@@ -24,10 +24,10 @@ GROUND_TURN = ("omega", "alpha")
 
 # by what tells the orientation, and whether the angular velocity is told
 TURNS = {
-    ("euler_parameters", False): commands.TURN_E,
-    ("zyx", False): commands.TURN_ZYX,
-    ("euler_parameters", True): commands.TURN_E_OMEGA,
-    ("zyx", True): commands.TURN_ZYX_OMEGA,
+    ("euler_parameters", False): courses.TURN_E,
+    ("zyx", False): courses.TURN_ZYX,
+    ("euler_parameters", True): courses.TURN_E_OMEGA,
+    ("zyx", True): courses.TURN_ZYX_OMEGA,
 }
 
 
@@ -55,7 +55,7 @@ def add_drives(builder):
             builder.driven_cuts[name] = drive
 
 
-def _add(builder, kind, node, value=(), at=0, terms=0, channels=(), turn=(commands.TURN_NONE, 0)):
+def _add(builder, kind, node, value=(), at=0, terms=0, channels=(), turn=(courses.TURN_NONE, 0)):
     """A row of the table of drives; `channels`: inputs that tell position, speed, acceleration of each, and whether an angle."""
     values = np.zeros(16)
     values[: len(value)] = value
@@ -200,7 +200,7 @@ def _add_ground_inputs(builder, told, node):
 
     found = [(u, False) for u in channels(GROUND_PLACE, 3)]
     orientation = next((q for q in ("zyx", "euler_parameters") if q in first), None)
-    turn = (commands.TURN_NONE, 0)
+    turn = (courses.TURN_NONE, 0)
 
     if orientation:
         turn = (TURNS[orientation, "omega" in first], first[orientation])

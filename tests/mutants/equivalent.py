@@ -2,7 +2,7 @@
 
 EQUIVALENT = [
     (
-        "kernels/dynamics/assembly.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
+        "kernels/dynamics/redundancy.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
         "any way to a position nearby will do to see which rows stay redundant: "
         "it is projected onto the constraints there",
     ),

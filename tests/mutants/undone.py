@@ -72,11 +72,11 @@ UNDONE = [
     ),
     # 3
     Undone(
-        3, "given positions give way like any others", "kernels/dynamics/assembly.py",
+        3, "given positions give way like any others", "kernels/dynamics/start_positions.py",
         "    holding.keep_given(m, d, POSITION)\n", "", "tests/test_starts.py",
     ),
     Undone(
-        3, "given speeds give way like any others", "kernels/dynamics/assembly.py",
+        3, "given speeds give way like any others", "kernels/dynamics/start_velocities.py",
         "    holding.keep_given(m, d, VELOCITY)\n", "", "tests/test_starts.py",
     ),
     Undone(
@@ -88,7 +88,7 @@ UNDONE = [
         "    spread_couplings(m, d)\n", "", "tests/test_starts.py",
     ),
     Undone(
-        3, "the first assembly found is taken, however far", "kernels/dynamics/assembly.py",
+        3, "the first assembly found is taken, however far", "kernels/dynamics/start_positions.py",
         "    if way < FAR:", "    if result == OK:", "tests/test_starts.py",
     ),
     Undone(
@@ -110,7 +110,7 @@ UNDONE = [
     ),
     # 4
     Undone(
-        4, "a loop that repeats itself not quite exactly is refused", "kernels/dynamics/assembly.py",
+        4, "a loop that repeats itself not quite exactly is refused", "kernels/dynamics/start_positions.py",
         "loose = failure == OK and gap <= GAP_TAKEN", "loose = False", "tests/test_loops.py",
     ),
     Undone(
@@ -163,21 +163,21 @@ UNDONE = [
     ),
     Undone(
         6, "commanded motion is of order 1 in the communication step", "kernels/motion/commands.py",
-        "            if told_on:\n                slope, c2, c3 = by_slope(m, d, c, x, slope, H, found, rounding)\n"
-        "            else:\n                slope, c2, c3 = by_history(d, c, found)\n",
+        "            if told_on:\n                slope, c2, c3 = extrapolation.by_slope(m, d, c, x, slope, H, found, rounding)\n"
+        "            else:\n                slope, c2, c3 = extrapolation.by_history(d, c, found)\n",
         "            pass\n",
         "tests/test_commands.py",
     ),
     Undone(
         6, "bodies jump with what the last step was off", "kernels/motion/commands.py",
         "                settle(m, d, i, position, "
-        "d.command_reached[2 * i + 1] - d.command_course[N_COURSE * i + 1], T)\n",
+        "d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1], T)\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(
         6, "the ground jumps with what its last turn was off", "kernels/motion/commands.py",
         "                settle(m, d, c + 3 + i, phi[i], "
-        "rate[i] - d.command_course[N_COURSE * (c + 3 + i) + 1], T)\n",
+        "rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T)\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(

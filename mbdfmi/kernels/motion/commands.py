@@ -18,33 +18,13 @@ velocity the channels are the components of a rotation vector from the commanded
 """
 
 import math
-
 from ..language import inlined, kernel
 from ..math import algebra as al
 from ..status import CONTRADICTION, status, tell
+from . import extrapolation, rotations
+from . import courses
 
-# coefficients of a channel's course over time; rows of the inputs' buffer: their value and derivatives
-N_COURSE = 8
 N_DERIVATIVE = 6
-
-# what commands the orientation of the ground
-TURN_NONE = 0
-TURN_E = 1
-TURN_ZYX = 2
-TURN_E_OMEGA = 3
-TURN_ZYX_OMEGA = 4
-
-# a higher order must tell the last commands by so much better
-BETTER = 0.9
-
-# a command that its derivative led to, relative to the change
-LED = 1e-6
-
-# ratio of two guesses of a curvature where a course is smooth
-ALIKE = 3.0
-
-# part of a command that may be rounding
-ROUNDED = 2e-15
 
 # rad, how near a command that jumped by whole turns must be to where the last ones led
 SAME_ANGLE = 1.0
@@ -89,141 +69,9 @@ def highest(m, c):
 
 
 @inlined
-def felt(difference, rounding):
-    """A difference of commands, 0 where it is no more than what rounding makes of them."""
-    return difference if abs(difference) > rounding else 0.0
-
-
-@inlined
-def differences(m, d, c, x):
-    """(divided differences of orders 1 to 4 at the present value x and the last ones, by time, what rounding may make of the
-    first two).
-
-    After steps much shorter than others the higher ones are rounding over a power of the step: those count as 0.
-    """
-    h1 = d.command_steps[0]
-    h2 = d.command_steps[1]
-    h3 = d.command_steps[2]
-    h4 = d.command_steps[3]
-    x1 = d.command_past[4 * c]
-    x2 = d.command_past[4 * c + 1]
-    x3 = d.command_past[4 * c + 2]
-    x4 = d.command_past[4 * c + 3]
-    eps = ROUNDED * max(max(abs(x), abs(x1)), max(abs(x2), max(abs(x3), abs(x4))))
-    a1 = (x - x1) / h1
-    a2 = (x1 - x2) / h2
-    a3 = (x2 - x3) / h3
-    of_b1 = (eps / h1 + eps / h2) / (h1 + h2)
-    of_b2 = (eps / h2 + eps / h3) / (h2 + h3)
-    of_b3 = (eps / h3 + eps / h4) / (h3 + h4)
-    b1 = (a1 - a2) / (h1 + h2)
-    b2 = (a2 - a3) / (h2 + h3)
-    b3 = (a3 - (x3 - x4) / h4) / (h3 + h4)
-    of_c1 = (of_b1 + of_b2) / (h1 + h2 + h3)
-    of_c2 = (of_b2 + of_b3) / (h2 + h3 + h4)
-    c1 = (b1 - b2) / (h1 + h2 + h3)
-    fourth = (c1 - (b2 - b3) / (h2 + h3 + h4)) / (h1 + h2 + h3 + h4)
-    fourth = felt(fourth, (of_c1 + of_c2) / (h1 + h2 + h3 + h4))
-    return (a1, felt(b1, of_b1), felt(c1, of_c1), fourth), (eps / h1, of_b1)
-
-
-@inlined
-def errors_told(d, differences):
-    """By how much polynomials of order 0 to 3 through the commands before miss the present one."""
-    t1 = d.command_steps[0]
-    t2 = t1 + d.command_steps[1]
-    t3 = t2 + d.command_steps[2]
-    t4 = t3 + d.command_steps[3]
-    e0 = abs(differences[0]) * t1
-    e1 = abs(differences[1]) * t1 * t2
-    e2 = abs(differences[2]) * t1 * t2 * t3
-    return e0, e1, e2, abs(differences[3]) * t1 * t2 * t3 * t4
-
-
-@inlined
-def best_order(d, c, errors):
-    """Order of the polynomial that would best have told the last two commands; 1 where only one was there before."""
-    known = d.command_known[0]
-
-    if known < 2.0:
-        return int(known)
-
-    order = 0
-    least = errors[0] + d.command_error[4 * c]
-    missed = errors[1] + d.command_error[4 * c + 1]
-
-    if missed < BETTER * least:
-        order = 1
-        least = missed
-
-    missed = errors[2] + d.command_error[4 * c + 2]
-
-    if known > 2.0 and missed < BETTER * least:
-        order = 2
-        least = missed
-
-    missed = errors[3] + d.command_error[4 * c + 3]
-
-    if known > 3.0 and missed < BETTER * least:
-        order = 3
-
-    return order
-
-
-@inlined
-def by_history(d, c, x):
-    """Coefficients (4) of the polynomial over time through x and the last commands."""
-    order = best_order(d, c, errors_told(d, x))
-    h1 = d.command_steps[0]
-    h2 = h1 + d.command_steps[1]
-    slope = x[0] if order > 0 else 0.0
-    second = x[1] if order > 1 else 0.0
-    third = x[2] if order > 2 else 0.0
-    return slope + second * h1 + third * h1 * h2, second + third * (h1 + h2), third
-
-
-@inlined
-def by_slope(m, d, c, x, slope, H, differences, rounding):
-    """The same where the master gives the slope alone over a step of H (s), 0: at a point.
-
-    rounding : what it may make of the first two differences.
-    """
-    known = d.command_known[0]
-    h1 = d.command_steps[0]
-    aim = d.command_aim[2 * c]
-    change = d.command_aim[2 * c + 1]
-
-    if known < 1.0:
-        return slope, 0.0, 0.0
-
-    missed = x - aim
-
-    if H > 0.0 and change != 0.0 and abs(missed) <= LED * abs(change) + 1e-13 * abs(x):
-        second = felt(slope - differences[0], rounding[0]) / (H + h1)
-        third = felt(second - differences[1], rounding[0] / (H + h1) + rounding[1]) / (H + h1 + d.command_steps[1])
-        third = third if known > 1.0 else 0.0
-        return slope - second * H - third * H * h1, second - third * (H - h1), third
-
-    # two guesses, which hardly differ unless there was a jump or a corner: those are not carried on
-    second = felt(slope - differences[0], rounding[0]) / h1
-    other = missed / (h1 * h1)
-    least = min(abs(second), abs(other))
-
-    if second * other <= 0.0:
-        return slope, 0.0, 0.0
-
-    if max(abs(second), abs(other)) > ALIKE * least:
-        return slope, math.copysign(least, second), 0.0
-
-    # the cubic through both commands and slopes
-    third = (slope + change / h1 - 2.0 * differences[0]) / (h1 * h1)
-    return slope, second + third * h1, third
-
-
-@inlined
 def plan_channel(m, d, c, p, v, x, H):
     """The course of a channel from its position p and speed v on, x being the highest of what is told, into d.command_course."""
-    k = N_COURSE * c
+    k = courses.N_COURSE * c
     what = highest(m, c)
     u = m.command_u[3 * c + what]
     n = m.n_u
@@ -244,14 +92,14 @@ def plan_channel(m, d, c, p, v, x, H):
         told_on = slope != 0.0 or c2 != 0.0 or c3 != 0.0 or c4 != 0.0 or c5 != 0.0
 
         if c2 == 0.0 and c3 == 0.0 and c4 == 0.0 and c5 == 0.0:
-            found, rounding = differences(m, d, c, x)
+            found, rounding = extrapolation.differences(m, d, c, x)
 
             if told_on:
-                slope, c2, c3 = by_slope(m, d, c, x, slope, H, found, rounding)
+                slope, c2, c3 = extrapolation.by_slope(m, d, c, x, slope, H, found, rounding)
             else:
-                slope, c2, c3 = by_history(d, c, found)
+                slope, c2, c3 = extrapolation.by_history(d, c, found)
 
-    for i in range(N_COURSE):
+    for i in range(courses.N_COURSE):
         d.command_course[k + i] = 0.0
 
     d.command_course[k] = p
@@ -319,86 +167,16 @@ def orientation_told(m, d, k):
     kind = m.drive_turn[2 * k]
     u = m.drive_turn[2 * k + 1]
 
-    if kind == TURN_ZYX or kind == TURN_ZYX_OMEGA:
+    if kind == courses.TURN_ZYX or kind == courses.TURN_ZYX_OMEGA:
         return al.zyx_E(al.vec_at(d.u_buffer, u))
 
     E = (0.0, 0.0, 0.0, 1.0)
 
-    if kind != TURN_NONE:
+    if kind != courses.TURN_NONE:
         E = al.E_at(d.u_buffer, u)
 
     length = math.sqrt(al.E_dot(E, E))
     return al.E_scale(1.0 / length, E) if length > 0.0 else (0.0, 0.0, 0.0, 1.0)
-
-
-@inlined
-def rotation_vector(E):
-    """phi (rad, at most half a turn) of a rotation."""
-    sign = 1.0 if E[3] >= 0.0 else -1.0
-    axis = (sign * E[0], sign * E[1], sign * E[2])
-    sine = al.norm(axis)
-    return al.scale(2.0 * math.atan2(sine, sign * E[3]) / sine if sine > 0.0 else 2.0, axis)
-
-
-@inlined
-def rotation_of_vector(phi, rate, second):
-    """(E, w, w') of the rotation exp(phi): w = phi' + a phi x phi' + b phi x (phi x phi').
-
-    a = (1 - cos t) / t^2 and b = (t - sin t) / t^3 for the angle t = |phi|; a' = da (phi . phi'), b' = db (phi . phi').
-    """
-    square = al.dot(phi, phi)
-
-    if square < 0.01:
-        a = 0.5 - square / 24.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0))
-        b = (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))) / 6.0
-        da = -(1.0 - square / 15.0 * (1.0 - 3.0 * square / 112.0)) / 12.0
-        db = -(1.0 - square / 21.0 * (1.0 - square / 48.0)) / 60.0
-        sine = 0.5 - square / 48.0 * (1.0 - square / 80.0 * (1.0 - square / 168.0))
-    else:
-        t = math.sqrt(square)
-        a = (1.0 - math.cos(t)) / square
-        b = (t - math.sin(t)) / (t * square)
-        da = (t * math.sin(t) - 2.0 * (1.0 - math.cos(t))) / (square * square)
-        db = (3.0 * math.sin(t) - t * (2.0 + math.cos(t))) / (t * square * square)
-        sine = math.sin(0.5 * t) / t
-
-    E = (sine * phi[0], sine * phi[1], sine * phi[2], math.cos(0.5 * math.sqrt(square)))
-    turn = al.cross(phi, rate)
-    double = al.cross(phi, turn)
-    w = al.axpy(b, double, al.axpy(a, turn, rate))
-    along = al.dot(phi, rate)
-    alpha = al.axpy(da * along, turn, al.axpy(db * along, double, second))
-    turn_2 = al.cross(phi, second)
-    alpha = al.axpy(a, turn_2, alpha)
-    return E, w, al.axpy(b, al.add(al.cross(rate, turn), al.cross(phi, turn_2)), alpha)
-
-
-@inlined
-def rate_of_rotation(phi, w):
-    """phi' of the rotation exp(phi), |phi| at most half a turn, that turns at w (rad/s)."""
-    square = al.dot(phi, phi)
-
-    if square < 0.01:
-        factor = (1.0 + square / 60.0 * (1.0 + square / 42.0)) / 12.0
-    else:
-        t = math.sqrt(square)
-        factor = (1.0 - 0.5 * t * math.cos(0.5 * t) / math.sin(0.5 * t)) / square
-
-    turn = al.cross(phi, w)
-    return al.axpy(factor, al.cross(phi, turn), al.axpy(-0.5, turn, w))
-
-
-@inlined
-def has_omega(m, k):
-    """Whether the angular velocity of the ground is commanded beside its orientation."""
-    return m.drive_turn[2 * k] >= TURN_E_OMEGA
-
-
-@inlined
-def coefficient(d, c, i):
-    """Coefficients of order i of the courses of three channels."""
-    k = N_COURSE * c + i
-    return (d.command_course[k], d.command_course[k + N_COURSE], d.command_course[k + 2 * N_COURSE])
 
 
 @inlined
@@ -407,12 +185,12 @@ def plan_turn(m, d, k, c, H):
     kind = m.drive_turn[2 * k]
     u = m.drive_turn[2 * k + 1]
 
-    if kind == TURN_ZYX:
+    if kind == courses.TURN_ZYX:
         for i in range(3):
             unwrap(m, d, c + i, d.u_buffer[u + i])
             plan_channel(m, d, c + i, d.u_buffer[u + i], 0.0, d.u_buffer[u + i], H)
 
-    elif kind == TURN_E:
+    elif kind == courses.TURN_E:
         E = al.E_at(d.u_buffer, u)
         last = (d.command_past[4 * c], d.command_past[4 * c + 4], d.command_past[4 * c + 8], d.command_past[4 * c + 12])
 
@@ -428,7 +206,7 @@ def plan_turn(m, d, k, c, H):
         for i in range(4):
             plan_channel(m, d, c + i, d.u_buffer[u + i], 0.0, d.u_buffer[u + i], H)
 
-    elif has_omega(m, k):
+    elif courses.has_omega(m, k):
         al.set_E_at(d.attitude_base, 0, orientation_told(m, d, k))
 
         for i in range(3):
@@ -436,15 +214,15 @@ def plan_turn(m, d, k, c, H):
             plan_channel(m, d, c + i, 0.0, told(m, d, c + i, 1), x, H)
 
         # from w(s) = w0 + w1 s + w2 s^2 + ... to phi': less (w0 x w1) s^2 / 4 + (w0 x w2) s^3 / 3 + O(s^4)
-        w0 = coefficient(d, c, 1)
-        w1 = al.scale(2.0, coefficient(d, c, 2))
-        w2 = al.scale(3.0, coefficient(d, c, 3))
+        w0 = courses.coefficient(d, c, 1)
+        w1 = al.scale(2.0, courses.coefficient(d, c, 2))
+        w2 = al.scale(3.0, courses.coefficient(d, c, 3))
         third = al.scale(1.0 / 12.0, al.cross(w0, w1))
         fourth = al.scale(1.0 / 12.0, al.cross(w0, w2))
 
         for i in range(3):
-            d.command_course[N_COURSE * (c + i) + 3] -= third[i]
-            d.command_course[N_COURSE * (c + i) + 4] -= fourth[i]
+            d.command_course[courses.N_COURSE * (c + i) + 3] -= third[i]
+            d.command_course[courses.N_COURSE * (c + i) + 4] -= fourth[i]
 
 
 @kernel
@@ -477,97 +255,6 @@ def settle(m, d, c, position, speed, T):
     d.command_settling[4 * c + 3] = (2.0 * position / T + speed) / (T * T)
 
 
-@inlined
-def course(d, c, s):
-    """(position, speed, acceleration) of a channel by its commands alone at s (s) of the communication step."""
-    p = 0.0
-    v = 0.0
-    a = 0.0
-
-    for i in range(N_COURSE - 1, -1, -1):
-        a = a * s + v
-        v = v * s + p
-        p = p * s + d.command_course[N_COURSE * c + i]
-
-    return p, v, 2.0 * a
-
-
-@inlined
-def motion(d, c, s):
-    """The same with what is led back: the motion that bodies feel."""
-    p, v, a = course(d, c, s)
-    k = 4 * c
-    c1 = d.command_settling[k + 1]
-    c2 = d.command_settling[k + 2]
-    c3 = d.command_settling[k + 3]
-    p += d.command_settling[k] + s * (c1 + s * (c2 + s * c3))
-    return p, v + c1 + s * (2.0 * c2 + 3.0 * s * c3), a + 2.0 * c2 + 6.0 * s * c3
-
-
-@inlined
-def vector_course(d, c, s, felt):
-    """The same of three channels as vectors; `felt`: with what is led back."""
-    x = motion(d, c, s) if felt else course(d, c, s)
-    y = motion(d, c + 1, s) if felt else course(d, c + 1, s)
-    z = motion(d, c + 2, s) if felt else course(d, c + 2, s)
-    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
-
-
-@inlined
-def rotation_of_E(E, rate, second):
-    """(E of unit length, w, w') of Euler parameters of any length and their derivatives.
-
-    w = 2 B E' / E.E and w' = 2 B E'' / E.E - 2 (E.E') / E.E w, since B E = B' E' = 0.
-    """
-    s = 1.0 / al.E_dot(E, E)
-    w = al.scale(2.0 * s, al.B_times(E, rate))
-    alpha = al.axpy(-2.0 * s * al.E_dot(E, rate), w, al.scale(2.0 * s, al.B_times(E, second)))
-    return al.E_scale(math.sqrt(s), E), w, alpha
-
-
-@inlined
-def rotation_of_zyx(angles, rates, seconds):
-    """(E, w, w') of ZYX angles (yaw, pitch, roll): w = yaw' z + pitch' y1 + roll' x2 about axes that turn."""
-    c = math.cos(angles[0])
-    s = math.sin(angles[0])
-    y = (-s, c, 0.0)
-    x = (c * math.cos(angles[1]), s * math.cos(angles[1]), -math.sin(angles[1]))
-    turning = (0.0, 0.0, rates[0])
-    leaning = al.axpy(rates[1], y, turning)
-    w = al.axpy(rates[2], x, leaning)
-    alpha = al.axpy(seconds[1], y, (0.0, 0.0, seconds[0]))
-    alpha = al.axpy(seconds[2], x, al.axpy(rates[1], al.cross(turning, y), alpha))
-    return al.zyx_E(angles), w, al.axpy(rates[2], al.cross(leaning, x), alpha)
-
-
-@inlined
-def orientation(m, d, k, s, felt):
-    """(E, w, w') of the ground that drive k turns at s (s) of the communication step; `felt`: with what is led back."""
-    kind = m.drive_turn[2 * k]
-    c = m.drive_command[k] + 3
-    unit = (0.0, 0.0, 0.0, 1.0)
-
-    if kind == TURN_NONE:
-        return unit, al.ZERO3, al.ZERO3
-
-    x, x1, x2 = vector_course(d, c, s, felt)
-
-    if kind == TURN_E:
-        last = motion(d, c + 3, s) if felt else course(d, c + 3, s)
-        E = (x[0], x[1], x[2], last[0])
-
-        if not al.E_dot(E, E) > 0.0:
-            return unit, al.ZERO3, al.ZERO3
-
-        return rotation_of_E(E, (x1[0], x1[1], x1[2], last[1]), (x2[0], x2[1], x2[2], last[2]))
-
-    if kind == TURN_ZYX:
-        return rotation_of_zyx(x, x1, x2)
-
-    E, w, alpha = rotation_of_vector(x, x1, x2)
-    return al.E_product(E, al.E_at(d.attitude_base, 0)), w, alpha
-
-
 @kernel
 def begin(m, d, H):
     """At the start of a communication step of H (s): the courses over it, and what is to be led back."""
@@ -588,7 +275,7 @@ def begin(m, d, H):
             continue
 
         doubt(m, d, k)
-        turns = m.drive_commands[k] > 3 and has_omega(m, k)
+        turns = m.drive_commands[k] > 3 and courses.has_omega(m, k)
         plain = 3 if turns else m.drive_commands[k]
 
         for i in range(c, c + plain):
@@ -596,16 +283,16 @@ def begin(m, d, H):
                 see_start(m, d, i)
 
             if d.command_blind[i] != 1.0:
-                position = d.command_reached[2 * i] - d.command_course[N_COURSE * i]
-                settle(m, d, i, position, d.command_reached[2 * i + 1] - d.command_course[N_COURSE * i + 1], T)
+                position = d.command_reached[2 * i] - d.command_course[courses.N_COURSE * i]
+                settle(m, d, i, position, d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1], T)
 
         if turns:
             base = al.E_at(d.attitude_base, 0)
-            phi = rotation_vector(al.E_product(al.E_at(d.attitude_reached, 0), al.E_conjugate(base)))
-            rate = rate_of_rotation(phi, al.vec_at(d.attitude_reached, 4))
+            phi = rotations.rotation_vector(al.E_product(al.E_at(d.attitude_reached, 0), al.E_conjugate(base)))
+            rate = rotations.rate_of_rotation(phi, al.vec_at(d.attitude_reached, 4))
 
             for i in range(3):
-                settle(m, d, c + 3 + i, phi[i], rate[i] - d.command_course[N_COURSE * (c + 3 + i) + 1], T)
+                settle(m, d, c + 3 + i, phi[i], rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T)
 
 
 @inlined
@@ -614,8 +301,8 @@ def see_start(m, d, c):
 
     What bodies feel is what it changed since.
     """
-    found, _ = differences(m, d, c, told(m, d, c, 0))
-    order = best_order(d, c, errors_told(d, found))
+    found, _ = extrapolation.differences(m, d, c, told(m, d, c, 0))
+    order = extrapolation.best_order(d, c, extrapolation.errors_told(d, found))
 
     if d.command_blind[c] == 2.0 and order > 0:
         d.command_reached[2 * c + 1] -= found[1] * d.command_steps[1]
@@ -630,8 +317,8 @@ def is_at_rest(m, d):
     rest = True
 
     for c in range(m.n_command):
-        for i in range(1, N_COURSE):
-            rest = rest and d.command_course[N_COURSE * c + i] == 0.0
+        for i in range(1, courses.N_COURSE):
+            rest = rest and d.command_course[courses.N_COURSE * c + i] == 0.0
 
         for i in range(4):
             rest = rest and d.command_settling[4 * c + i] == 0.0
@@ -662,7 +349,7 @@ def doubt(m, d, k):
     The change over a step lies between its ends' speeds, or hardly beyond; a command may jump, but not again and again.
     """
     c = m.drive_command[k]
-    groups = 2 if m.drive_commands[k] > 3 and has_omega(m, k) else 1
+    groups = 2 if m.drive_commands[k] > 3 and courses.has_omega(m, k) else 1
     h = d.command_steps[0]
     wrong = False
 
@@ -673,7 +360,7 @@ def doubt(m, d, k):
 
         if group == 1:
             last = al.E_conjugate(al.E_at(d.attitude_past, 0))
-            turn = rotation_vector(al.E_product(al.E_at(d.attitude_base, 0), last))
+            turn = rotations.rotation_vector(al.E_product(al.E_at(d.attitude_base, 0), last))
 
         for level in range(1, highest(m, first) + 1):
             missed = 0.0
@@ -728,8 +415,8 @@ def remember(m, d, c, x, H):
     d.command_before[2 * c + 1] = told(m, d, c, 1)
 
     if d.command_known[0] > 0.0:
-        found, _ = differences(m, d, c, x)
-        missed = errors_told(d, found)
+        found, _ = extrapolation.differences(m, d, c, x)
+        missed = extrapolation.errors_told(d, found)
 
         for i in range(4):
             d.command_error[k + i] = missed[i] if d.command_known[0] > i else 0.0
@@ -768,12 +455,12 @@ def end(m, d, H):
             if fresh:
                 remember(m, d, i, told(m, d, i, highest(m, i)), H)
 
-            reached = course(d, i, H) if settled else motion(d, i, H)
+            reached = courses.course(d, i, H) if settled else courses.motion(d, i, H)
             d.command_reached[2 * i] = reached[0]
             d.command_reached[2 * i + 1] = reached[1]
 
-        if m.drive_commands[k] > 3 and has_omega(m, k):
-            E, w, _ = orientation(m, d, k, H, not settled)
+        if m.drive_commands[k] > 3 and courses.has_omega(m, k):
+            E, w, _ = courses.orientation(m, d, k, H, not settled)
 
             if fresh:
                 al.set_E_at(d.attitude_past, 0, al.E_at(d.attitude_base, 0))
@@ -811,7 +498,7 @@ def carry(m, d, H):
             continue
 
         for i in range(c, c + m.drive_commands[k]):
-            values = course(d, i, H)
+            values = courses.course(d, i, H)
 
             for what in range(3):
                 u = m.command_u[3 * i + what]
@@ -820,7 +507,7 @@ def carry(m, d, H):
                 if u >= 0:
                     d.u_buffer[u] = values[what]
 
-        if m.drive_commands[k] > 3 and has_omega(m, k):
+        if m.drive_commands[k] > 3 and courses.has_omega(m, k):
             carry_turn(m, d, k, H)
 
 
@@ -829,9 +516,9 @@ def carry_turn(m, d, k, H):
     """The same of an orientation that is commanded with its angular velocity."""
     c = m.drive_command[k] + 3
     u = m.drive_turn[2 * k + 1]
-    E, w, alpha = orientation(m, d, k, H, False)
+    E, w, alpha = courses.orientation(m, d, k, H, False)
 
-    if m.drive_turn[2 * k] == TURN_ZYX_OMEGA:
+    if m.drive_turn[2 * k] == courses.TURN_ZYX_OMEGA:
         al.set_vec_at(d.u_buffer, u, al.matrix_zyx(al.E_matrix(E)))
     else:
         al.set_E_at(d.u_buffer, u, E)

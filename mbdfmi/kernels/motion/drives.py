@@ -12,7 +12,7 @@ from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..math import tables
 from ..views import DATA, MODEL
-from . import commands
+from . import courses, rotations
 
 # of one coordinate; drive_value:
 CONSTANT_SPEED = 0  # position at the start, speed
@@ -108,7 +108,7 @@ def target(m, d, k):
     if kind == TABLE:
         return tables.evaluate(m, m.drive_at[k], d.now[0])
 
-    return commands.motion(d, m.drive_command[k], d.now[0] - d.time[0])
+    return courses.motion(d, m.drive_command[k], d.now[0] - d.time[0])
 
 
 @inlined
@@ -135,7 +135,7 @@ def rotation_of_table(m, k, t):
     """(E of unit length, w, w') of the four tables of E from k on; the splines need not keep unit length."""
     a, a1, a2 = table_vector(m, k, t)
     b, b1, b2 = tables.evaluate(m, k + 3, t)
-    return commands.rotation_of_E((a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2))
+    return rotations.rotation_of_E((a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2))
 
 
 @kernel
@@ -189,8 +189,8 @@ def ground_motion(m, d, k):
         return r, rd, rdd, E, w, alpha
 
     s = t - d.time[0]
-    r, rd, rdd = commands.vector_course(d, m.drive_command[k], s, True)
-    E, w, alpha = commands.orientation(m, d, k, s, True)
+    r, rd, rdd = courses.vector_course(d, m.drive_command[k], s, True)
+    E, w, alpha = courses.orientation(m, d, k, s, True)
     return r, rd, rdd, E, w, alpha
 
 
