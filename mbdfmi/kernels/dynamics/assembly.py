@@ -12,7 +12,7 @@ from ..language import apart, inlined, kernel
 from ..motion import coordinates, drives, kinematics, markers
 from ..status import OK
 from ..views import DATA, MODEL
-from . import forward, holding, redundancy, rows, start_positions, start_velocities
+from . import forward, holding, projection, redundancy, rows, start_positions, start_velocities
 from .projection import (
     keep_x,
     see_rows,
@@ -98,29 +98,12 @@ def spread_couplings(m, d):
             return
 
 
-@inlined
-def rest_here(m, d):
-    """Rows of loops that are not quite exact rest at the gaps they have."""
-    if d.loose[0] > 0.0:
-        for row in range(m.n_row):
-            d.row_rest[row] += d.row_gap[row]
-            d.row_gap[row] = 0.0
-
-
-@inlined
-def see_gaps(m, d):
-    """Remember the largest gaps of loops that are not quite exact, to tell them."""
-    for row in range(m.n_row):
-        if m.row_at_start[row] == 0 and abs(d.row_gap[row]) > abs(d.row_taken[row]):
-            d.row_taken[row] = d.row_gap[row] if d.loose[0] > 0.0 else 0.0
-
-
 @kernel
 def settle(m, d):
     """Gaps that stay are where rows rest: of couplings whose offset is that of the start, of loops not quite exact."""
     see_rows(m, d)
-    see_gaps(m, d)
-    rest_here(m, d)
+    projection.see_gaps(m, d)
+    projection.rest_here(m, d)
 
     for row in range(m.n_row):
         d.row_settles[row] = 0.0

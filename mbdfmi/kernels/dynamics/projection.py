@@ -186,6 +186,23 @@ def project_positions(m, d, gap_allowed):
     return close_gaps(m, d, gap_allowed, 0.0)
 
 
+@inlined
+def rest_here(m, d):
+    """Rows of loops that are not quite exact rest at the gaps they have."""
+    if d.loose[0] > 0.0:
+        for row in range(m.n_row):
+            d.row_rest[row] += d.row_gap[row]
+            d.row_gap[row] = 0.0
+
+
+@inlined
+def see_gaps(m, d):
+    """Remember the largest gaps of loops that are not quite exact, to tell them."""
+    for row in range(m.n_row):
+        if m.row_at_start[row] == 0 and abs(d.row_gap[row]) > abs(d.row_taken[row]):
+            d.row_taken[row] = d.row_gap[row] if d.loose[0] > 0.0 else 0.0
+
+
 @kernel
 def gap_of(m, d, c, taken):
     """A constraint's gap: (vector in m, inertial axes; angle in rad); with `taken` the one that a loop not quite exact is left."""

@@ -10,7 +10,7 @@ from ..math import algebra as al
 from ..motion import drives, kinematics
 from ..status import OK
 from ..views import DATA, MODEL
-from . import assembly, forward, given, holding, rows, start_positions
+from . import forward, given, holding, projection, rows, start_positions
 from .projection import (
     close_gaps,
     factor_for_velocities,
@@ -90,7 +90,7 @@ def find_redundant(m, d):
             d.loose[0] = 1.0 if failure == OK and largest(d.row_gap, m.n_row) <= start_positions.GAP_TAKEN else 0.0
 
         if failure == OK:
-            assembly.see_gaps(m, d)
+            projection.see_gaps(m, d)
             factor_for_velocities(m, d)
 
             for row in range(m.n_row):
@@ -103,4 +103,4 @@ def find_redundant(m, d):
 
     given.recall(m, d, given.BEST)
     see_rows(m, d)
-    assembly.rest_here(m, d)
+    projection.rest_here(m, d)
