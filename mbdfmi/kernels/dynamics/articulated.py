@@ -1,9 +1,10 @@
 """Dynamics by articulated bodies: forward dynamics (ABA), and how constraint rows move the joints.
 
-After Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7. With M = L_M L_M^T the joint-space inertia and C the rows'
-Jacobian, every row's response is kept whitened, R = C L_M^-T: the articulated-body factor gives it in one pass from a row's
-bodies to the ground (the innovations form of the operational-space inertia: Rodriguez, Jain, Kreutz-Delgado, Int. J. Robotics
-Research 10, 1991), and only in the joints on that way. embedding.py has the same face by the joint-space matrix.
+After Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7 (docs/theory.md 6.2 and 6.3). With
+M = L_M L_M^T the joint-space inertia and C the rows' Jacobian, every row's response is kept whitened, R = C L_M^-T:
+the articulated-body factor gives it in one pass from a row's bodies to the ground (the innovations form of the
+operational-space inertia, docs/theory.md 6.4), and only in the joints on that way. embedding.py has the same face by
+the joint-space matrix.
 
 Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T alpha + M rdd; suffix _a:
 articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.
@@ -24,7 +25,7 @@ from . import inertia, multipliers, rows
 def aba(m, d):
     """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
 
-    Needs kinematics, inertias, the applied wrenches (moment, force) and joint efforts tau (Featherstone
+    Needs kinematics, inertias, applied wrenches (moment, force), efforts tau (docs/theory.md 6.2; Featherstone
     2008, table 7.1).
     """
     inertia.start_articulated(m, d)

@@ -1,4 +1,6 @@
-"""The start: loops closed near the start values, velocities made to fit, what was given kept wherever the equations allow it.
+"""The start (docs/theory.md 13): loops closed near the start values, velocities made to fit.
+
+What was given is kept wherever the equations allow it.
 
 First everything given is held. Where the loops cannot close so, the least is given up: the given coordinates are tried again
 one by one, those first that stay nearest to their values when all of them may move, but unwillingly.

@@ -1,6 +1,6 @@
 """Dynamics by the joint-space mass matrix: M = J^T M J by composite bodies, its Cholesky factor, rows in joint coordinates.
 
-The embedding technique of the lecture (section 5.2), n^3 in the number of coordinates. What it leaves in d means the same as what the
+The embedding technique (docs/theory.md 7), n^3 in the number of coordinates. What it leaves in d means the same as what the
 articulated-body passes leave: x_rate, the bodies' accelerations, whitened responses of the rows.
 """
 
@@ -28,7 +28,7 @@ SUSPECT = 1e-6
 def crba(m, d, mass_matrix):
     """Joint-space mass matrix [n_v * n_v], by rows, by composite bodies; needs kinematics and inertias.
 
-    Featherstone 2008, table 6.2.
+    docs/theory.md 7.1; Featherstone 2008, table 6.2.
     """
     inertia.start_articulated(m, d)
 

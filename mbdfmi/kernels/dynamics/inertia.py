@@ -1,4 +1,4 @@
-"""Inertias of the bodies, and what follows from them: weight, bias wrenches, momenta, energies.
+"""Inertias of the bodies, and what follows: weight, bias wrenches, momenta, energies (docs/theory.md 5, 16.2).
 
 Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T alpha + M rdd; suffix _a:
 articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.

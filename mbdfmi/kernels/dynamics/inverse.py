@@ -1,4 +1,4 @@
-"""Inverse dynamics: what passes through the joints, and their efforts (RNEA; Featherstone 2008, chapter 5)."""
+"""Inverse dynamics: what passes through the joints, and their efforts (RNEA; docs/theory.md 6.1)."""
 
 from numba.types import void
 
@@ -39,7 +39,7 @@ def joint_wrenches(m, d):
 def rnea(m, d, tau):
     """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
 
-    Needs kinematics, inertias and the applied wrenches (Featherstone 2008, table 5.1).
+    Needs kinematics, inertias, applied wrenches (docs/theory.md 6.1; Featherstone 2008, table 5.1).
     """
     kinematics.accelerations(m, d)
     joint_wrenches(m, d)

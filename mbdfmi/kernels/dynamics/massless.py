@@ -1,4 +1,4 @@
-"""What virtual inertia (virtual.py) made wrong in the accelerations is put right.
+"""What virtual inertia (virtual.py) made wrong in the accelerations is put right (docs/theory.md 14.2).
 
 With E the inertia lent, the factors are those of M + E. The motion is found as if wrenches E a acted on the bodies that were lent it, a
 their accelerations: then the equations are those of M alone. These wrenches are found by conjugate gradients: of the

@@ -1,7 +1,7 @@
 """Multipliers of the constraint rows: the factor of C M^-1 C^T = R R^T, with R the rows' whitened responses (articulated.py).
 
-It is factored in blocks: those of constraints that share joints, in an order that makes few others. Rows are dropped whose pivot
-is a small part of their diagonal: they follow from rows before them.
+It is factored in blocks: those of constraints that share joints, in an order that makes few others. Rows are dropped
+whose pivot is a small part of their diagonal: they follow from rows before them (docs/theory.md 11).
 """
 
 import math

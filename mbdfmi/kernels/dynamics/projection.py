@@ -1,4 +1,4 @@
-"""Projection of positions and velocities onto the constraints, in the metric of the mass matrix."""
+"""Projection of positions and velocities onto the constraints, in the mass metric (docs/theory.md 12)."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""x' = f(t, x, u): what every stepper integrates."""
+"""x' = f(t, x, u): what every stepper integrates (docs/theory.md 18.1)."""
 
 from numba.types import float64, int64
 

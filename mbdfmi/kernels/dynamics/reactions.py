@@ -1,4 +1,4 @@
-"""Reactions: the wrench that a joint passes on to its second marker's body.
+"""Reactions: the wrench that a joint passes on to its second marker's body (docs/theory.md 17).
 
 It is all that the bodies of the joint exert on each other through it: what keeps it together and what acts in it (spring,
 damper, friction, stop, input, drive, coupling), so that Newton's and Euler's equations of a body hold with the

@@ -1,4 +1,4 @@
-"""Which rows follow from others in every position, and which bodies cannot move."""
+"""Which rows follow from others in every position, and which bodies cannot move (docs/theory.md 11.4)."""
 
 import math
 

@@ -4,8 +4,8 @@ A row's Jacobian is a pair of wrenches, one on each body (moment about the body'
 the bodies' velocities is g'. `row_gap` is g, `row_rate` g', `row_bias` g'' at zero accelerations.
 
 Legend: a, b the first and second marker; u a direction; d = r_b - r_a; P, p levers from the bodies' origins to r_b;
-"seen" = relative to a's body. Theory: sections "Constraints" and "Generalized Force due to Reaction": the reaction acts on the material
-point of the first body that is where the second's is.
+"seen" = relative to a's body. The equations are in docs/theory.md 9; the reaction acts on the material point
+of the first body that is where the second's is (docs/theory.md 9.1).
 """
 
 import math

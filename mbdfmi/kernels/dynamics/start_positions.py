@@ -1,4 +1,4 @@
-"""Positions of the start: loops closed near the start values, the nearest assembly, what was given kept wherever it can be.
+"""Positions of the start (docs/theory.md 13.2, 13.3): loops closed near the start values, what was given kept.
 
 First everything given is held. Where the loops cannot close so, the least is given up: the given coordinates are tried again
 one by one, those first that stay nearest to their values when all of them may move, but unwillingly.

@@ -1,4 +1,4 @@
-"""Velocities of the start: what the rows allow, what was given kept wherever it can be."""
+"""Velocities of the start: what the rows allow, what was given kept wherever it can be (docs/theory.md 13.4)."""
 
 from numba.types import boolean
 

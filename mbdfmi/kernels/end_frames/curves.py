@@ -1,4 +1,4 @@
-"""Curves by a parameter s, in their marker's axes: r(s) and its first two derivatives.
+"""Curves by a parameter s, in their marker's axes: r(s), r', r'' (docs/theory.md 10.1).
 
 ==========  ==============================================  =========
 kind        r(s)                                            s

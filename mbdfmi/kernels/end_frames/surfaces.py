@@ -1,4 +1,4 @@
-"""Surfaces by parameters s1 and s2, in their marker's axes: r(s1, s2) and its derivatives.
+"""Surfaces by parameters s1 and s2, in their marker's axes: r(s1, s2), derivatives (docs/theory.md 10.2).
 
 ==========  ===========================================================  ===================
 kind        r                                                            s1, s2

@@ -7,8 +7,8 @@ rates follow from the velocities. Only on a sphere, whose parameters are singula
 they are read off instead, and nothing depends on them; the longitude is integrated along to tell
 its turn.
 
-The reaction acts at the material points that are where the contact is: theory, section
-"Generalized Force due to Reaction".
+The reaction acts at the material points that are where the contact is (docs/theory.md 9.1); the
+equations are in docs/theory.md 10.3 and 10.4.
 
 Legend: a, b the first and second marker; e from the point on a's curve or surface to b's point;
 t, tt derivatives of r(s); n a normal; "seen" = relative to a's body, of the point of b's body
@@ -90,8 +90,8 @@ def solve2(a, b, c, d, e, f):
 def curve_normal(m, k, t, i):
     """Axis j (i = 0) or k (i = 1) of the end frame on curve k where its tangent is t.
 
-    By the theory's fixed vector that is never parallel to the curve, so they pass points of
-    inflection continuously.
+    By a fixed vector that the curve is never parallel to (docs/theory.md 10.1), so they pass points
+    of inflection continuously.
     """
     tangent = al.scale(1.0 / al.norm(t), t)
     side = al.cross(tangent, al.vec3(m.curve_side, k))

@@ -1,4 +1,4 @@
-"""Force elements, a file each: what acts on the bodies beside their weight and what joins them.
+"""Force elements, a file each: what acts on the bodies beside weight and what joins them (docs/theory.md 16).
 
 Each has, where it means something, all needing kinematics:
 

@@ -1,4 +1,4 @@
-"""Added mass of linear forces: the inertia of the water that moves along with the second marker's body.
+"""Added mass (docs/theory.md 16.9): the inertia of the water that moves along with the second marker's body.
 
 The water is at rest in the ground, so velocities and accelerations are those seen from there. P is the second marker's origin,
 V = (w, v_P) with v_P that of the material point. The 6x6 matrix A is given in one of three systems of axes:

@@ -1,4 +1,4 @@
-"""Central gravity: weight towards the origin of O, -mu r / |r|^3 per mass, at each solid's centre of mass."""
+"""Central gravity (docs/theory.md 16.3): -mu r / |r|^3 per mass, at each solid's centre of mass, from O."""
 
 from ..language import inlined
 from ..math import algebra as al

@@ -1,4 +1,4 @@
-"""Dry friction along joint coordinates, smooth where it changes its sign."""
+"""Dry friction along joint coordinates, smooth where it changes its sign (docs/theory.md 16.5)."""
 
 import math
 

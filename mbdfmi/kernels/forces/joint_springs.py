@@ -1,4 +1,4 @@
-"""Springs and dampers along joint coordinates."""
+"""Springs and dampers along joint coordinates (docs/theory.md 16.4)."""
 
 from ..language import inlined
 from ..motion import coordinates

@@ -1,4 +1,4 @@
-"""Wrenches on markers, constant or over time."""
+"""Wrenches on markers, constant or over time (docs/theory.md 16.8)."""
 
 from ..language import inlined
 from ..math import algebra as al

@@ -1,4 +1,4 @@
-"""Forces between two markers by 6x6 stiffness and damping matrices: linear forces and bushings (rows linear_*)."""
+"""Forces between two markers by 6x6 matrices: linear, bushing; rows linear_* (docs/theory.md 16.7)."""
 
 import math
 
@@ -15,7 +15,7 @@ BODY = 2
 
 @inlined
 def swing_twist(A):
-    """A rotation as a swing after a twist about z: ((rx, ry, rz) rad, G).
+    """A rotation as a swing after a twist about z (docs/theory.md 2.6): ((rx, ry, rz) rad, G).
 
     A = exp(skew(rx, ry, 0)) Rz(rz); G maps the rates (rx', ry', rz') to the angular velocity, in the axes
     that A leads to: columns 1 and 2 of the left Jacobian of the exponential, and the swung z axis.
@@ -126,7 +126,7 @@ def wrench(m, d, k):
     """Wrench of linear force k on the second marker: (moment N m, force N), in the first one's axes.
 
     Stiffness and preload are generalised forces along (d, rx, ry, rz), so a symmetric stiffness keeps
-    energy at any angle; damping acts on the relative velocities. Added mass is no part of it.
+    energy at any angle; damping acts on the relative velocities. Added mass is no part (docs/theory.md 16.7).
     """
     moved, turned, columns = displacement(m, d, k)
     force, Q = six_times(m.linear_stiffness, k, moved, turned)

@@ -1,4 +1,4 @@
-"""Bump stops along joint coordinates."""
+"""Bump stops along joint coordinates (docs/theory.md 16.5)."""
 
 from ..language import inlined
 from ..motion import coordinates

@@ -1,4 +1,4 @@
-"""Spring-dampers along the line between two markers, and forces along it that are inputs."""
+"""Spring-dampers along the line between two markers, and inputs along it (docs/theory.md 16.6)."""
 
 from ..language import inlined
 from ..math import algebra as al

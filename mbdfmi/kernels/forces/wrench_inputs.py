@@ -1,4 +1,4 @@
-"""Forces and moments on markers that are inputs."""
+"""Forces and moments on markers that are inputs (docs/theory.md 16.8)."""
 
 from ..language import inlined
 from ..math import algebra as al

@@ -1,7 +1,8 @@
 """What a joint kind is, behind one face: the only dispatch on kinds.
 
 A joint leads from the joint frame F, at rest in the parent, to the body, whose frame coincides with F at q = 0. A kind is a file
-here, and each has the same functions; below they are chosen by `body_joint`. All vectors are in inertial axes.
+here, and each has the same functions (docs/theory.md 3 and 6.3); below they are chosen by `body_joint`.
+All vectors are in inertial axes.
 
     move            pose, velocity and bias of the body from those of its parent and q, v
     subspace        columns of the motion subspace S

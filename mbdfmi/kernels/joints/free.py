@@ -1,6 +1,6 @@
 """The free joint: position and velocity in F, E and the angular velocity in the body's own axes.
 
-The body takes all that acts on it: only the joint's own effort is passed on to the parent.
+The body takes all that acts on it: only the joint's own effort is passed on (docs/theory.md 6.3).
 """
 
 from ..language import inlined, kernel

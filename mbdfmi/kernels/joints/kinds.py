@@ -1,4 +1,4 @@
-"""The joint kinds of the tree: their numbers, and how many coordinates each has.
+"""The joint kinds of the tree (docs/theory.md 3.2): their numbers, and how many coordinates each has.
 
 ==========  ===========================  ====================================
 kind        q                            v

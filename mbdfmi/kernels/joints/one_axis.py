@@ -1,6 +1,6 @@
 """Revolute and prismatic joints: one freedom about, or along, the z axis of the joint frame F.
 
-S = (axis, 0) or (0, axis); U = I_a S, D = S^T U (+ its weight), u = tau - S^T p_a (Featherstone 2008, section 7.3).
+S = (axis, 0) or (0, axis); U = I_a S, D = S^T U (+ its weight), u = tau - S^T p_a (docs/theory.md 6.2).
 """
 
 import math

@@ -9,7 +9,8 @@ from ..status import NOT_FINITE, SINGULAR_INERTIA, status
 def add_inertia(d, parent, r, I, H, M):
     """Add the inertia (I, H, M) of a child at arm r to the parent's I_a, H_a, M_a.
 
-    [I H; H^T M] seen from the parent: K = H + r~ M, I' = I + r~ H^T - K r~ (entry ij: I_ij + (r x H_j)_i + (r x K_i)_j).
+    [I H; H^T M] seen from the parent (docs/theory.md 5.2): K = H + r~ M, I' = I + r~ H^T - K r~
+    (entry ij: I_ij + (r x H_j)_i + (r x K_i)_j).
     """
     M_rows = al.mat_of_sym(M)
     rM = (

@@ -1,6 +1,7 @@
 """The spherical joint: E, and the angular velocity relative to the parent in the body's own axes.
 
-S^T I_a S is the whole rotational block I, so only a mass at the joint is passed on to the parent.
+S^T I_a S is the whole rotational block I, so only a mass at the joint is passed on to the parent
+(docs/theory.md 6.3).
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Start values of joints with an orientation, as the user tells them: of the second marker in the first."""
+"""Starts of joints with an orientation, as told, of the second marker in the first (docs/theory.md 3.6)."""
 
 import math
 

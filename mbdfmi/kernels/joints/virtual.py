@@ -1,4 +1,4 @@
-"""Virtual inertia: what a part is lent where a joint of the tree would have none to move.
+"""Virtual inertia (docs/theory.md 14.1): what a part is lent where a joint would have none to move.
 
 A part without mass (a pulley, a rod, a frame), a particle, or a rod without inertia about itself may be moved by constraints,
 couplings and drives all the same. The tree's factors need an inertia there: a small one is lent to the part, about its

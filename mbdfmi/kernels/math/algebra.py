@@ -1,7 +1,7 @@
 """Vectors, 3x3 matrices and Euler parameters as tuples.
 
 Legend: a, b, v vectors (x, y, z); A a matrix of three rows; S a symmetric matrix
-(xx, yy, zz, xy, xz, yz); E Euler parameters (E1, E2, E3, E4), scalar part last, as in the theory text.
+(xx, yy, zz, xy, xz, yz); E Euler parameters (E1, E2, E3, E4), scalar part last (docs/theory.md 2.1).
 """
 
 import math
@@ -285,7 +285,7 @@ def E_scale(s, E):
 
 @inlined
 def E_matrix(E):
-    """Rotation matrix A = B C^T / E.E of theory section "Orientation from Assembly Frame".
+    """Rotation matrix A = B C^T / E.E (docs/theory.md 2.1).
 
     Orthogonal for E of any length, so the stages of an integration step need no normalisation.
     """
@@ -302,7 +302,7 @@ def E_matrix(E):
 
 @inlined
 def E_rate(E, w):
-    """E' = 1/2 C^T w, with w (rad/s) in the axes that turn."""
+    """E' = 1/2 C^T w, with w (rad/s) in the axes that turn (docs/theory.md 2.2)."""
     return (
         0.5 * (E[3] * w[0] - E[2] * w[1] + E[1] * w[2]),
         0.5 * (E[2] * w[0] + E[3] * w[1] - E[0] * w[2]),
@@ -313,7 +313,7 @@ def E_rate(E, w):
 
 @inlined
 def B_times(E, F):
-    """B(E) F, with B of theory section "Euler Parameter Matrices"; the angular velocity of E is 2 B E'."""
+    """B(E) F, with B of docs/theory.md 2.1; the angular velocity of E is 2 B E'."""
     return (
         E[3] * F[0] - E[2] * F[1] + E[1] * F[2] - E[0] * F[3],
         E[2] * F[0] + E[3] * F[1] - E[0] * F[2] - E[1] * F[3],
@@ -325,7 +325,7 @@ def B_times(E, F):
 def matrix_E(A):
     """Euler parameters (unit length, E4 >= 0 where it is not the smallest) of a rotation matrix.
 
-    Shepperd's method: divide by the largest of the four, so it is accurate for every rotation.
+    Shepperd's method: divide by the largest of the four, so it is accurate everywhere (docs/theory.md 2.3).
     """
     trace = A[0][0] + A[1][1] + A[2][2]
 

@@ -1,4 +1,4 @@
-"""Piecewise polynomials of one variable, of degree 5 at most: value, slopes and integral.
+"""Piecewise polynomials of degree 5 at most: value, slopes and integral (docs/theory.md 16.11).
 
 Table k has knots x_0 < ... < x_n; between two of them it is c0 + c1 s + ... + c5 s^5 with s from the left one. Beyond the
 ends it goes on straight (LINEAR) or keeps its end value (HOLD).

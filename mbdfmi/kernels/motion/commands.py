@@ -1,6 +1,6 @@
 """Motion commanded by inputs: what a drive does between the communication points at which it is told.
 
-A *channel* is one number that inputs command: the coordinate of a joint; of the ground x, y, z and its orientation. Inputs tell
+The rules are in docs/theory.md 15.4. A *channel* is one number that inputs command: the coordinate of a joint; of the ground x, y, z and its orientation. Inputs tell
 its position and may tell its speed and acceleration. Of these the highest is continued over the communication step ahead, the
 lower ones follow by integration from their own values, which thus are met exactly at its start:
 

@@ -1,4 +1,4 @@
-"""Scalar coordinates of joints: what springs, dampers, friction, stops, drives and outputs of one freedom refer to.
+"""Scalar coordinates of joints (docs/theory.md 4.3): what forces, drives and outputs of one freedom refer to.
 
 A joint of the tree has its coordinate in the state. One that closes a loop has it between its two markers (a, b): the
 angle of b's x axis about a's z axis, or the displacement of b along it. The markers tell such an angle but for full turns. These are

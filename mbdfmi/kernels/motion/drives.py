@@ -1,7 +1,7 @@
 """Prescribed motion: of a joint's coordinate, or of the ground in the inertial frame.
 
-A drive gives a motion as a function of time, or of inputs. A driven joint of the tree is held (its acceleration is
-given, hybrid dynamics); one that closes a loop is driven by a row of `rows`.
+A drive gives a motion as a function of time, or of inputs (docs/theory.md 15). A driven joint of the tree is
+held (its acceleration is given, hybrid dynamics); one that closes a loop is driven by a row of `rows`.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""A course over the step to come from what was told before: by history, or by the slope that the master gives."""
+"""A course over the step to come: by history, or by the slope that the master gives (docs/theory.md 15.4)."""
 
 import math
 

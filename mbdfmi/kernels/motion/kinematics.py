@@ -1,8 +1,8 @@
 """Poses, velocities and accelerations of all bodies from the joints' coordinates, root to leaves.
 
 Every spatial quantity is in inertial axes about the origin of its own body, and accelerations are classical instead of spatial
-(so that `alpha` and `rdd` are what an accelerometer at the origin shows). Transforms between bodies are then pure shifts by `arm`
-(Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 5).
+(so that `alpha` and `rdd` are what an accelerometer at the origin shows). Transforms between bodies are then pure
+shifts by `arm` (docs/theory.md 1.4 and 3.1).
 """
 
 from numba.types import void

@@ -1,4 +1,4 @@
-"""Where markers are and how they move, absolutely and relative to each other.
+"""Where markers are and how they move, absolutely and relative to each other (docs/theory.md 4).
 
 A marker is a frame fixed in a body; marker 0 is the inertial frame O.
 """

@@ -1,4 +1,4 @@
-"""Rotations by vectors, Euler parameters and ZYX angles over time: their angular velocity and acceleration."""
+"""Rotations by vectors, Euler parameters and ZYX angles over time: w and w' (docs/theory.md 2.2, 2.4, 2.5)."""
 
 import math
 
@@ -17,7 +17,7 @@ def rotation_vector(E):
 
 @inlined
 def rotation_of_vector(phi, rate, second):
-    """(E, w, w') of the rotation exp(phi): w = phi' + a phi x phi' + b phi x (phi x phi').
+    """(E, w, w') of exp(phi) (docs/theory.md 2.5): w = phi' + a phi x phi' + b phi x (phi x phi').
 
     a = (1 - cos t) / t^2 and b = (t - sin t) / t^3 for the angle t = |phi|; a' = da (phi . phi'), b' = db (phi . phi').
     """

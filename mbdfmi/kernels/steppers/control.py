@@ -1,7 +1,6 @@
 """Step-size control: how errors are weighed, the first step, how the next follows from the error.
 
-Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), sections II.4, and Hairer, Wanner, II (1996),
-section IV.2: PI control of explicit pairs. IV.8: Gustafsson's predictive control of implicit methods.
+PI control of explicit pairs (docs/theory.md 18.4), predictive control of implicit methods (18.7).
 """
 
 import math
@@ -29,7 +28,7 @@ LEAST_STEP = 1e-13
 
 @inlined
 def weigh(m, d):
-    """Error weights: absolute + relative tolerance times |x|; an orientation's is its unit length.
+    """Error weights: absolute + relative tolerance times |x|, of an orientation times 1 (docs/theory.md 18.2).
 
     Angles and Euler parameters are weighed as rotations: their error does not become less with many turns.
     """
@@ -51,7 +50,7 @@ def weigh(m, d):
 
 @inlined
 def first_step(m, d, H, rate):
-    """A first inner step (s) of at most H from x' (at d.stage[rate:]), simplified from HNW I, section II.4."""
+    """A first inner step (s) of at most H from x' (at d.stage[rate:]), simplified from HNW I, II.4."""
     n = m.n_x
     size = 0.0
     speed = 0.0

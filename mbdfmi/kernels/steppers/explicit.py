@@ -43,7 +43,7 @@ EXTENSION_ALLOWED = 20.0
 UNSEEN_ALLOWED = 3.0
 UNSEEN = 3.0
 
-# steps at the border of stability in a row, bar a few, that make a motion stiff (HW II, section IV.2)
+# steps at the border of stability in a row, bar a few, that make a motion stiff (docs/theory.md 18.6)
 STIFF_AFTER = 15.0
 STIFF_PARDON = 6.0
 
@@ -117,7 +117,7 @@ def advance(m, d, pair, stage, step):
 def local_error(m, d, pair, step):
     """(estimated error of a step, its estimate of order 5 alone). 1: just allowed. Root mean square over the weighed states.
 
-    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (Hairer, Norsett, Wanner I, eq. II.10.17).
+    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (docs/theory.md 18.4).
     """
     n = m.n_x
     squares = 0.0
@@ -146,7 +146,7 @@ def local_error(m, d, pair, step):
 def extension_error(m, d, pair, step, fine):
     """(estimated error of a continuous extension with stages of its own, whether the step's own estimate sees hardly any of it).
 
-    1: just allowed at the end of a step.
+    1: just allowed at the end of a step (docs/theory.md 18.5).
 
     Those stages tell what the others have not seen, a kink, and magnify what a stiff motion leaves of it. The extension misses
     the states at which their rates were found by O(h^7) where the motion is smooth; that, weighed so that an error in one of

@@ -1,8 +1,7 @@
 """Gauss collocation with a fixed step: for the long run.
 
 It is symmetric, so that what it does to the energy of a reversible motion is bounded and does not add up, and keeps quadratic
-invariants (the length of E) to rounding: Hairer, Lubich, Wanner, Geometric Numerical Integration (2006), sections IV.2 and
-XI.3. The stages are found by fixed-point iteration to rounding: it is not for stiff motions.
+invariants (the length of E) to rounding (docs/theory.md 18.9). The stages are found by fixed-point iteration to rounding: it is not for stiff motions.
 """
 
 import math

@@ -1,11 +1,11 @@
 """Implicit steppers: Radau IIA of order 5 with an adaptive step, a linearly implicit method with a fixed one.
 
-Radau IIA: Hairer, Wanner, Solving Ordinary Differential Equations II (1996), sections IV.5 and IV.8. The three stages
+Radau IIA (docs/theory.md 18.7; HW II, sections IV.5 and IV.8). The three stages
 Z_i = h sum_j a_ij f(t + c_j h, x + Z_j) are found by simplified Newton iterations in the variables W = T^-1 Z, which split
 into one real and one complex system of the size of x. J = df/dx is found by differences, kept over steps and communication
 points, and found anew when the iteration says that it is too old.
 
-The linearly implicit method (ROS2: Verwer, Spee, Blom, Hundsdorfer, SIAM J. Sci. Comput. 20, 1999) is of order 2 with any J
+The linearly implicit method (ROS2: docs/theory.md 18.8) is of order 2 with any J
 and L-stable with the true one; each step does the same work: made for real time.
 """
 

@@ -24,7 +24,7 @@ STAGES_54 = [
 ]
 ERRORS_54 = [[71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]]
 
-# of order 4: Hairer, Norsett, Wanner I (1993), section II.6 and its code DOPRI5
+# of order 4: HNW I, section II.6 and its code DOPRI5 (docs/theory.md, sources)
 DENSE_54 = [
     [
         -12715105075 / 11282082432,
