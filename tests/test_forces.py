@@ -348,3 +348,40 @@ def test_energy_goes_where_dampers_and_friction_take_it():
             energy.append(sum(energies(instance)))
 
         assert_near(np.dot([1, -8, 8, -1], energy) / (12 * h), rate, 1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
+def test_what_sticks_stays(tolerance):
+    """Half the friction moves nothing but by creeping, and the stages of an implicit step do not slip by extrapolation."""
+    instance = block_with_friction("radau", tolerance)
+    instance.u[0] = 0.5
+
+    for _ in range(8):
+        instance.step(0.04)
+        assert 0 <= instance.outputs()[0] < 1e-6
+
+
+def test_what_slips_goes():
+    """Half as much again as the friction gives the rest over the mass."""
+    instance = block_with_friction("radau", 1e-6)
+    speeds = []
+
+    for force in [0.5] * 4 + [1.5] * 4:
+        instance.u[0] = force
+        instance.step(0.04)
+        speeds.append(float(instance.outputs()[0]))
+
+    assert_near(speeds[4:], 0.5 * 0.04 * np.arange(1, 5), 2e-6)
+
+
+def block_with_friction(integrator, tolerance):
+    """1 kg that slides with a friction of 1 N under a force that is input, and tells its speed."""
+    slide = {"prismatic": {}, "between": ["ground", "b"], "friction": {"coulomb": 1.0}, "input": "force", "output": ["speed"]}
+    scene = Scene(
+        name="block",
+        gravity=[0, 0, 0],
+        solver={"integrator": integrator, "tolerance": tolerance, "absolute_tolerance": tolerance},
+        body={"b": {"mass": 1.0, "inertia": [0, 0, 0]}},
+        joint={"slide": slide},
+    )
+    return Instance(compile_scene(scene))

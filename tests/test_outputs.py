@@ -556,6 +556,25 @@ def test_a_force_carries_prescribed_motion_across():
     assert abs(named_outputs(instance)["jb.acceleration"] - before) > 0.5
 
 
+def test_a_moving_ground_feels_what_pushes_bodies_in_its_water():
+    """Added mass presses on the ground as its body accelerates, though no joint leads there."""
+    added = np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    added[0, 2] = added[2, 0] = 0.5
+    scene = {
+        "name": "water",
+        "gravity": [0, 0, 0],
+        "ground": {"motion": {"rotation": {"speed": 0.0}}, "output": ["reaction_force"]},
+        "body": {"b": {"mass": 1.0, "inertia": [0, 0, 0]}},
+        "joint": {"slide": {"prismatic": {}, "input": "force", "between": ["inertial", "b"]}},
+        "force": {"m": {"linear": {"added_mass": added.tolist()}, "between": ["ground", "b"]}},
+    }
+    model = compile_scene(Scene.model_validate(scene))
+    instance = Instance(model)
+    instance.u[0] = 2.0
+    assert np.max(np.abs(instance.outputs())) > 0.1
+    assert all(v.depends == (0,) for v in model.of_causality("output"))
+
+
 def test_a_reaction_tells_what_its_dependencies_say(everything_model):
     """Outputs without dependencies do not change with the inputs, the others do (all but what is zero by nature)."""
     instance = Instance(everything_model)

@@ -254,21 +254,21 @@ def add_ground_outputs(builder):
 def _on_ground(builder):
     """Nodes whose accelerations the ground feels, and positions in u of inputs that it feels itself."""
     ground = builder.tree.home["ground"][0]
-
-    if ground > 0:
-        return [ground], []
-
-    nodes = [i for i, node in enumerate(builder.nodes) if node.parent == 0 and node.kind != "free"]
-    nodes += [i for group in builder.constraint_nodes if 0 in group for i in group]
     fed_by = []
 
-    for u, *pair in _columns(builder, "n_strut", "strut_u", "strut_from", "strut_to"):
-        if 0 in map(builder.marker_node, pair):
-            fed_by.append(u)
+    if ground > 0:
+        nodes = [ground]
+    else:
+        nodes = [i for i, node in enumerate(builder.nodes) if node.parent == 0 and node.kind != "free"]
+        nodes += [i for group in builder.constraint_nodes if 0 in group for i in group]
+
+        for u, *pair in _columns(builder, "n_strut", "strut_u", "strut_from", "strut_to"):
+            if 0 in map(builder.marker_node, pair):
+                fed_by.append(u)
 
     # the water of added mass is part of the ground
     for adds, first, second in _columns(builder, "n_linear", "linear_adds", "linear_from", "linear_to"):
-        if adds and builder.marker_node(first) == 0:
+        if adds and builder.marker_node(first) == ground:
             nodes.append(builder.marker_node(second))
 
     return nodes, fed_by

@@ -143,9 +143,6 @@ def tell_stop(m, d, k):
 @kernel
 def tell_of_start(m, d):
     """All there is to tell of a start that stands; needs rows and what assembly left."""
-    for k in range(m.n_told):
-        tell_start(m, d, k)
-
     for k in range(m.n_stop):
         tell_stop(m, d, k)
 
@@ -159,6 +156,10 @@ def tell_of_start(m, d):
     for i in range(1, m.n_body):
         if d.stuck[i] == 2.0:
             tell(d, status(BODY_STUCK, i), 0.0, 0.0)
+
+    # these may be many: what does not fit any more is of their kind
+    for k in range(m.n_told):
+        tell_start(m, d, k)
 
 
 @kernel

@@ -147,9 +147,10 @@ def spectral_radius(m, d):
 
 @kernel
 def guess_stages(m, d, h):
-    """Z by extrapolation of the collocation polynomial of the step before, zero where there is none."""
+    """Z by extrapolation of the collocation polynomial of the step before, zero where there is none, or where dry friction may
+    hold: extrapolated speeds slip, and a Jacobian that sticks would hardly correct them."""
     n = m.n_x
-    ratio = h / d.span[0] if d.span[0] > 0.0 else 0.0
+    ratio = h / d.span[0] if d.span[0] > 0.0 and m.n_friction == 0 else 0.0
 
     for k in range(n):
         z0 = d.dense[k]
