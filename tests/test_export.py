@@ -251,7 +251,7 @@ def test_library_needs_only_an_old_c_library(linux_library):
 
 
 def test_kernels_that_do_not_compile(monkeypatch):
-    monkeypatch.setattr(aot, "ENTRIES", "mbdfmi.kernels.algebra:NOTHING")
+    monkeypatch.setattr(aot, "ENTRIES", "mbdfmi.kernels.math.algebra:NOTHING")
     with pytest.raises(aot.CompileError, match="has no attribute 'NOTHING'"):
         aot.compile_entries()
 
