@@ -177,7 +177,7 @@ def tell_open(m, d, failure):
         tell(d, status(LOOP_ALONG, m.n_body + c), span[0], span[1])
         tell(d, status(LOOP_ALONG_Z, 0), span[2], 0.0)
 
-    if max(size, turned) <= SINGULAR:
+    if size <= SINGULAR and turned <= SINGULAR:
         return status(SINGULAR_START, m.n_body + c)
 
     tell(d, status(LOOP_HELP, m.n_body + m.n_constraint + c), 0.0, 0.0)

@@ -40,8 +40,9 @@ CANCELLED = 1e-24
 # a row that adds less than this to the rows before it gives its place to a redundant one that adds more
 WEAK = 1e-3
 
-# likewise in loops that repeat themselves not quite exactly: what a weak row lets stay of their gaps is this much more, squared
+# likewise in loops that repeat themselves not quite exactly, once their gaps are so many times those at the start
 LOOSE_WEAK = 0.1
+GROWN = 2.0
 
 # of row_redundant: a redundant row that may take another's place
 CANDIDATE = 2.0
@@ -306,9 +307,19 @@ def weakest_row(m, d):
 
 
 @inlined
-def weak_share(d):
-    """What a row must add to the rows before it to keep its place."""
-    return LOOSE_WEAK if d.loose[0] > 0.0 else WEAK
+def weak_share(m, d):
+    """What a row must add to the rows before it to keep its place.
+
+    More where a loop that does not quite close is left larger gaps than at the start: a weak row enlarges them.
+    """
+    taken = 0.0
+    left = 0.0
+
+    for row in range(m.n_row if d.loose[0] > 0.0 else 0):
+        taken = max(taken, abs(d.row_taken[row]))
+        left = max(left, abs(d.row_gap[row]))
+
+    return LOOSE_WEAK if left > GROWN * taken else WEAK
 
 
 @inlined
@@ -319,7 +330,7 @@ def has_weak_row(m, d):
     for row in range(m.n_row):
         redundant = redundant or d.row_redundant[row] > 0.0
 
-    return redundant and weakest_row(m, d)[1] <= weak_share(d)
+    return redundant and weakest_row(m, d)[1] <= weak_share(m, d)
 
 
 @kernel
@@ -338,7 +349,7 @@ def exchange_rows(m, d):
     for attempt in range(redundant):
         weak, share = weakest_row(m, d)
 
-        if share > weak_share(d):
+        if share > weak_share(m, d):
             return
 
         for row in range(m.n_row):

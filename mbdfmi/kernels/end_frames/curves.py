@@ -14,6 +14,8 @@ SPLINE      cubic pieces; beyond its ends straight on, or   as given
 
 import math
 
+import numpy as np
+
 from ..language import inlined, kernel
 from ..math import algebra as al
 from ..math import tables
@@ -41,7 +43,7 @@ def spline(m, k, s):
     period = m.curve_value[k]
 
     if period > 0.0:
-        s -= period * math.floor((s - tables.first(m, table)) / period)
+        s -= period * np.floor((s - tables.first(m, table)) / period)
 
     x = tables.evaluate(m, table, s)
     y = tables.evaluate(m, table + 1, s)

@@ -18,6 +18,8 @@ velocity the channels are the components of a rotation vector from the commanded
 """
 
 import math
+
+import numpy as np
 from ..language import inlined, kernel
 from ..math import algebra as al
 from ..status import CONTRADICTION, status, tell
@@ -145,7 +147,7 @@ def unwrap(m, d, c, p):
     if d.command_known[0] == 0.0 or d.command_blind[c] == 1.0:
         return
 
-    shift = 2.0 * math.pi * math.floor((p - d.command_reached[2 * c]) / (2.0 * math.pi) + 0.5)
+    shift = 2.0 * math.pi * np.floor((p - d.command_reached[2 * c]) / (2.0 * math.pi) + 0.5)
 
     # what ends elsewhere in the turn is a motion
     if shift == 0.0 or not abs(p - d.command_reached[2 * c] - shift) < SAME_ANGLE:

@@ -8,6 +8,8 @@ set to the angle wherever positions are projected.
 
 import math
 
+import numpy as np
+
 from ..language import inlined
 from ..math import algebra as al
 from . import markers
@@ -20,7 +22,7 @@ SLIDE = 2
 @inlined
 def unwrapped(angle, near):
     """The angle (rad) plus the number of turns that brings it closest to `near`."""
-    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
+    return angle + 2.0 * math.pi * np.floor((near - angle) / (2.0 * math.pi) + 0.5)
 
 
 @inlined
