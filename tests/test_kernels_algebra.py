@@ -10,7 +10,7 @@ from scenes import random_orientation, rotation
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.kernels import forces
+from mbdfmi.kernels.forces import six_by_six
 from mbdfmi.kernels.math import algebra as al
 
 RNG = np.random.default_rng(1)
@@ -199,7 +199,7 @@ def swings():
 
 def test_swing_twist_round_trip():
     for r in swings():
-        found, _ = forces.swing_twist(tuples(swing_twist_matrix(r)))
+        found, _ = six_by_six.swing_twist(tuples(swing_twist_matrix(r)))
 
         # near a swing by pi the twist is the angle of a vector of length cos(swing / 2)
         margin = np.cos(np.hypot(r[0], r[1]) / 2)
@@ -212,7 +212,7 @@ def test_swing_twist_rates():
 
     for r in swings():
         A = swing_twist_matrix(r)
-        _, columns = forces.swing_twist(tuples(A))
+        _, columns = six_by_six.swing_twist(tuples(A))
 
         for k, e in enumerate(np.eye(3)):
             turns = [
@@ -229,11 +229,11 @@ def test_swing_is_exp_of_its_rotation_vector():
     r = np.array([0.4, -0.9, 1.3])
     W = expm(np.array([[0, 0, r[1]], [0, 0, -r[0]], [-r[1], r[0], 0]]))
     c, s = np.cos(r[2]), np.sin(r[2])
-    close(forces.swing_twist(tuples(W @ [[c, -s, 0], [s, c, 0], [0, 0, 1]]))[0], r)
+    close(six_by_six.swing_twist(tuples(W @ [[c, -s, 0], [s, c, 0], [0, 0, 1]]))[0], r)
 
 
 def test_swing_by_pi_stays_finite():
-    found, _ = forces.swing_twist(tuples(Rotation.from_rotvec([np.pi, 0, 0]).as_matrix()))
+    found, _ = six_by_six.swing_twist(tuples(Rotation.from_rotvec([np.pi, 0, 0]).as_matrix()))
     assert np.hypot(found[0], found[1]) == pytest.approx(np.pi)
     assert np.all(np.isfinite(found))
 
@@ -241,7 +241,7 @@ def test_swing_by_pi_stays_finite():
 def test_moment_does_the_work_of_swing_and_twist():
     """G^T moment = Q, so that moment . w = Q . (rx', ry', rz')."""
     for r in swings():
-        _, columns = forces.swing_twist(tuples(swing_twist_matrix(r)))
+        _, columns = six_by_six.swing_twist(tuples(swing_twist_matrix(r)))
         Q = RNG.normal(size=3)
-        moment = np.array(forces.moment_of_swing_twist(columns, tuples(Q)))
+        moment = np.array(six_by_six.moment_of_swing_twist(columns, tuples(Q)))
         close(np.array(columns) @ moment, Q, 1e-14 * max(1, np.linalg.norm(moment)))
