@@ -124,7 +124,7 @@ UNDONE = [
         "    tell(d, status(LOOP_SIZE, m.n_body + c), size, turned)\n", "", "tests/test_loops.py",
     ),
     Undone(
-        4, "a singular start is not told apart", "kernels/notes.py", "if max(size, turned) <= SINGULAR:",
+        4, "a singular start is not told apart", "kernels/notes.py", "if size <= SINGULAR and turned <= SINGULAR:",
         "if False:", "tests/test_loops.py",
     ),
     Undone(
