@@ -256,7 +256,7 @@ ARRAYS = (
     Row("start_time", "state", 1, 1, "s"),
     Row("next_step", "state", 2, 1, "s, the step that each explicit pair tries next, 0: none yet"),
     Row("radau_step", "state", 1, 1, "s, likewise of Radau's method"),
-    Row("method", "state", 1, 1, "stepper in use (integrate.py)"),
+    Row("method", "state", 1, 1, "stepper in use (steppers/integrate.py)"),
     Row("steps", "state", 1, 1, "accepted inner steps since the start"),
     Row("rejected", "state", 1, 1, "rejected inner steps since the start"),
     Row("evaluations", "state", 1, 1, "evaluations of the accelerations since the start"),
@@ -412,7 +412,6 @@ ARRAYS = (
     Row("swaps_complex", "work", 1, "n_swap", ""),
 )
 
-BUFFERS = ("ints", "reals", "state", "work")
 SLOT = {row.name: len(COUNTS) + k for k, row in enumerate(ARRAYS)}
 ROW = {row.name: row for row in ARRAYS}
 HEADER_LENGTH = len(COUNTS) + len(ARRAYS)

@@ -15,7 +15,7 @@ from numba.types import boolean, int64, void
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..motion import markers
+from ..motion import kinematics, markers
 from ..status import OK
 from ..views import DATA, MODEL
 from . import inertia, multipliers, rows
@@ -44,11 +44,7 @@ def aba(m, d):
     al.set_vec3(d.rdd, 0, al.ZERO3)
 
     for i in range(1, m.n_body):
-        parent = m.body_parent[i]
-        alpha_parent = al.vec3(d.alpha, parent)
-        alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
-        rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
-        rdd = al.add(rdd, al.vec3(d.bias_r, i))
+        alpha, rdd = kinematics.carried(m, d, i)
         alpha, rdd = joints.accelerate(m, d, i, alpha, rdd)
         al.set_vec3(d.alpha, i, alpha)
         al.set_vec3(d.rdd, i, rdd)

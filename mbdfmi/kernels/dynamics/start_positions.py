@@ -40,7 +40,7 @@ GAP_TAKEN = 1e-4
 NUDGE = 0.5
 LONG_NUDGE = 1.5
 
-# ways tried, and how much those are damped that are (see constraints.raise_diagonal)
+# ways tried, and how much those are damped that are (see multipliers.raise_diagonal)
 TURNS = 8
 DAMPING = 0.1
 

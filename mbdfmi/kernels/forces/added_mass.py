@@ -9,7 +9,7 @@ HEADING, those turned about z by the body's yaw psi, A(psi): wrench = -(A V' + p
     Lagrangian equation of psi and P, A_psi = dA/dpsi. In plane motion it is that of BODY.
 BODY, the second marker's, for a body deep in water: Kirchhoff's equations (Lamb, Hydrodynamics, section 124).
 
-All three keep the energy 1/2 V^T A V + what acts on the body. In `tree` it is part of the body's inertia (I, H, M), about the origin.
+All three keep the energy 1/2 V^T A V + what acts on the body. In `dynamics/inertia.py` it is part of the body's inertia (I, H, M), about the origin.
 """
 
 from numba.types import void

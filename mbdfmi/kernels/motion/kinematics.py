@@ -8,7 +8,7 @@ shifts by `arm` (docs/theory.md 1.4 and 3.1).
 from numba.types import void
 
 from .. import joints
-from ..language import apart, kernel
+from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..views import DATA, MODEL
 
@@ -28,6 +28,16 @@ def kinematics(m, d):
             joints.add_given_acceleration(m, d, i)
 
 
+@inlined
+def carried(m, d, i):
+    """(alpha, rdd) that body i has by its parent's, with its joint's v' = 0; needs kinematics."""
+    parent = m.body_parent[i]
+    alpha_parent = al.vec3(d.alpha, parent)
+    alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
+    rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
+    return alpha, al.add(rdd, al.vec3(d.bias_r, i))
+
+
 @kernel
 def accelerations(m, d):
     """alpha and rdd of all bodies from the v' in d.x_rate; needs kinematics."""
@@ -35,11 +45,7 @@ def accelerations(m, d):
     al.set_vec3(d.rdd, 0, al.ZERO3)
 
     for i in range(1, m.n_body):
-        parent = m.body_parent[i]
-        alpha_parent = al.vec3(d.alpha, parent)
-        alpha = al.add(alpha_parent, al.vec3(d.bias_w, i))
-        rdd = al.add(al.vec3(d.rdd, parent), al.cross(alpha_parent, al.vec3(d.arm, i)))
-        rdd = al.add(rdd, al.vec3(d.bias_r, i))
+        alpha, rdd = carried(m, d, i)
 
         # a given acceleration is in the bias already
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
