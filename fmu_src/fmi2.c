@@ -34,17 +34,23 @@ static bool allowed(Instance *c, int modes, const char *function)
 }
 
 /* Begins every function that works on an instance. */
-#define ENTER(component, modes) \
-    Instance *c = component; \
+#define ENTER(component, modes)                                                                    \
+    Instance *c = component;                                                                       \
     if (!allowed(c, modes, __func__)) return fmi2Error
 
 #define REFUSE(...) return instance_log(c, fmi2Error, __VA_ARGS__)
 
 /* ---- library and log ---- */
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetTypesPlatform(void)
+{
+    return fmi2TypesPlatform;
+}
 
-const char *fmi2GetVersion(void) { return fmi2Version; }
+const char *fmi2GetVersion(void)
+{
+    return fmi2Version;
+}
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[])
@@ -152,7 +158,10 @@ fmi2Status fmi2Reset(fmi2Component component)
 /* ---- variables ---- */
 
 /* Value references count inputs, outputs, parameters, in this order. */
-static bool is_input(const Instance *c, fmi2ValueReference vr) { return vr < c->resource.n_u; }
+static bool is_input(const Instance *c, fmi2ValueReference vr)
+{
+    return vr < c->resource.n_u;
+}
 
 static bool is_output(const Instance *c, fmi2ValueReference vr)
 {
@@ -188,12 +197,13 @@ fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference vr[], s
     for (size_t i = 0; i < nvr && result == fmi2OK; i++) {
         if (!is_known(c, vr[i])) REFUSE("%s: unknown value reference %u", __func__, vr[i]);
 
-        if (is_input(c, vr[i])) value[i] = c->u[vr[i]];
+        if (is_input(c, vr[i]))
+            value[i] = c->u[vr[i]];
         else if (is_output(c, vr[i])) {
             result = instance_outputs(c);
             if (result == fmi2OK) value[i] = c->y[vr[i] - r->n_u];
-        }
-        else value[i] = c->reals[r->param_index[parameter_of(c, vr[i])]];
+        } else
+            value[i] = c->reals[r->param_index[parameter_of(c, vr[i])]];
 
         if (result == fmi2OK && !isfinite(value[i]))
             REFUSE("%s: '%s' (value reference %u) is %g", __func__, r->names[vr[i]], vr[i],
@@ -234,8 +244,8 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference vr[], s
 
     for (size_t i = 0; i < nvr; i++) {
         bool input = is_input(c, vr[i]);
-        double *place = input ? &c->u[vr[i]]
-                              : &c->reals[c->resource.param_index[parameter_of(c, vr[i])]];
+        double *place =
+            input ? &c->u[vr[i]] : &c->reals[c->resource.param_index[parameter_of(c, vr[i])]];
 
         /* a value that stands already changes nothing, not even what the solver remembers */
         if (memcmp(place, &value[i], sizeof *place) == 0) continue;
@@ -267,11 +277,10 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
             REFUSE("%s: order %d of '%s': orders 1 to %d are known", __func__, order[i], name,
                    N_DERIVATIVE - 1);
         if (!isfinite(value[i]))
-            REFUSE("%s: %g is no derivative of '%s' (value reference %u)", __func__, value[i],
-                   name, vr[i]);
+            REFUSE("%s: %g is no derivative of '%s' (value reference %u)", __func__, value[i], name,
+                   vr[i]);
     }
-    for (size_t i = 0; i < nvr; i++)
-        c->u[order[i]*r->n_u + vr[i]] = value[i];
+    for (size_t i = 0; i < nvr; i++) c->u[order[i] * r->n_u + vr[i]] = value[i];
 
     // the speed of a commanded motion may be a derivative of its position
     c->current = false;
@@ -282,7 +291,9 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
                                         size_t nvr, const fmi2Integer order[], fmi2Real value[])
 {
     ENTER(component, STEPPED);
-    (void)vr; (void)order; (void)value;
+    (void)vr;
+    (void)order;
+    (void)value;
     if (nvr > 0) REFUSE("%s: this FMU gives none (maxOutputDerivativeOrder = 0)", __func__);
     return fmi2OK;
 }
@@ -293,8 +304,12 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     ENTER(component, READABLE);
-    (void)vUnknown_ref; (void)nUnknown; (void)vKnown_ref; (void)nKnown;
-    (void)dvKnown; (void)dvUnknown;
+    (void)vUnknown_ref;
+    (void)nUnknown;
+    (void)vKnown_ref;
+    (void)nKnown;
+    (void)dvKnown;
+    (void)dvUnknown;
     REFUSE("%s: this FMU gives none (providesDirectionalDerivative = false)", __func__);
 }
 
@@ -450,7 +465,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real currentCommunicationPoin
         REFUSE("%s: the step size is %g s and must be positive", __func__, H);
 
     /* a master's own way to count time shows as rounding */
-    double slack = 1e-6*H + 16*DBL_EPSILON*fabs(time);
+    double slack = 1e-6 * H + 16 * DBL_EPSILON * fabs(time);
     if (!(fabs(t - time) <= slack))
         REFUSE("%s: the communication point is t = %.17g s, this FMU is at t = %.17g s", __func__,
                t, time);

@@ -9,9 +9,9 @@
 
 #include "kernels.h"
 
-const char *const CATEGORY_NAMES[N_CATEGORIES] = {
-    "logEvents", "logStatusWarning", "logStatusDiscard",
-    "logStatusError", "logStatusFatal", "logAll"};
+const char *const CATEGORY_NAMES[N_CATEGORIES] = {"logEvents",        "logStatusWarning",
+                                                  "logStatusDiscard", "logStatusError",
+                                                  "logStatusFatal",   "logAll"};
 
 /* ---- log ---- */
 
@@ -34,7 +34,7 @@ fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
 
     if (!wanted || !c->callbacks.logger) return status;
 
-    char text[1024], message[2*sizeof text];
+    char text[1024], message[2 * sizeof text];
     va_list args;
 
     va_start(args, format);
@@ -62,7 +62,7 @@ static void fill_in(char *to, size_t size, const char *text, const char *name,
     const char *end = to + size - 1;
     char digits[32];
 
-    for (int k = 0; *text && to < end; ) {
+    for (int k = 0; *text && to < end;) {
         const char *word = NULL;
 
         if (strncmp(text, "%s", 2) == 0) word = name;
@@ -85,19 +85,21 @@ static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int6
                        const double numbers[2])
 {
     char told[768];
-    int64_t code = status % 256, place = status/256;
+    int64_t code = status % 256, place = status / 256;
     const Resource *r = &c->resource;
     const char *text = resource_message(r, code);
     const char *name = "?";
 
     /* the places are followed by the outputs */
-    if (place >= 0 && place < r->n_places) name = r->places[place];
+    if (place >= 0 && place < r->n_places)
+        name = r->places[place];
     else if (place >= 0 && place < r->n_places + r->n_y)
         name = r->names[r->n_u + place - r->n_places];
 
-
-    if (text) fill_in(told, sizeof told, text, name, numbers);
-    else snprintf(told, sizeof told, "failure %d at %s", (int)code, name);
+    if (text)
+        fill_in(told, sizeof told, text, name, numbers);
+    else
+        snprintf(told, sizeof told, "failure %d at %s", (int)code, name);
     return instance_log(c, severity, "%s at t = %.9g s: %s", doing, c->state[0], told);
 }
 
@@ -107,8 +109,7 @@ static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, in
 {
     static const double none[2] = {0, 0};
 
-    if (broken)
-        return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
+    if (broken) return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
     return status == 0 ? fmi2OK : tell(c, severity, doing, status, none);
 }
 
@@ -119,7 +120,7 @@ static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
 
     c->state[2] = 0;
     for (int k = 0; k < MOST_NOTICES && k < count; k++) {
-        const double *notice = c->state + 3 + 3*k;
+        const double *notice = c->state + 3 + 3 * k;
         if (notice[0] > 0 && notice[0] < INT32_MAX) {
             int64_t code = (int64_t)notice[0] % 256;
             bool event = code == STIFF || code == NOT_STIFF;
@@ -151,7 +152,8 @@ static bool allocate(Instance *c)
 {
     const Resource *r = &c->resource;
 
-    c->core_size = sizeof(Core) + (size_t)(r->n_reals + r->n_state + N_DERIVATIVE*r->n_u)*sizeof(double);
+    c->core_size =
+        sizeof(Core) + (size_t)(r->n_reals + r->n_state + N_DERIVATIVE * r->n_u) * sizeof(double);
     c->core = calloc(1, c->core_size);
     c->work = calloc((size_t)r->n_work + 1, sizeof(double));
     c->y = calloc((size_t)r->n_y + 1, sizeof(double));
@@ -185,8 +187,8 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
     else if (!resource_read(&c->resource, location, why, sizeof why))
         instance_log(c, fmi2Error, "%s", why);
     else if (strcmp(guid, c->resource.guid) != 0)
-        instance_log(c, fmi2Error, "the GUID is '%s', that of the resource file is '%s'",
-                     guid, c->resource.guid);
+        instance_log(c, fmi2Error, "the GUID is '%s', that of the resource file is '%s'", guid,
+                     c->resource.guid);
     else if (!allocate(c))
         instance_log(c, fmi2Error, "out of memory");
     else {
@@ -213,9 +215,9 @@ void instance_reset(Instance *c)
     const Resource *r = &c->resource;
 
     memset(c->core, 0, c->core_size);
-    memset(c->work, 0, (size_t)r->n_work*sizeof(double));
-    memcpy(c->reals, r->reals, (size_t)r->n_reals*sizeof(double));
-    memcpy(c->u, r->u_start, (size_t)r->n_u*sizeof(double));
+    memset(c->work, 0, (size_t)r->n_work * sizeof(double));
+    memcpy(c->reals, r->reals, (size_t)r->n_reals * sizeof(double));
+    memcpy(c->u, r->u_start, (size_t)r->n_u * sizeof(double));
     c->core->stop_time = INFINITY;
     c->core->mode = INSTANTIATED;
     c->current = false;
@@ -231,8 +233,8 @@ fmi2Status instance_prepare(Instance *c)
 
     /* the start too: prepare clears the notices of an earlier one */
     if (!c->core->prepared || !c->core->started) {
-        int32_t broken = mbdfmi_prepare(&status, &excinfo, ints, c->reals, ints, c->state,
-                                        c->work, c->u);
+        int32_t broken =
+            mbdfmi_prepare(&status, &excinfo, ints, c->reals, ints, c->state, c->work, c->u);
         fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
         if (result != fmi2OK) return result;
         c->core->prepared = 1;
@@ -260,8 +262,8 @@ fmi2Status instance_outputs(Instance *c)
 
     void *excinfo;
     int64_t status = 0;
-    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals,
-                                    c->resource.ints, c->state, c->work, c->u, c->y);
+    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
+                                    c->state, c->work, c->u, c->y);
 
     /* a value that is not finite is refused where it is asked for */
     if (status % 256 == OUTPUT_NOT_FINITE) status = 0;
@@ -281,7 +283,7 @@ fmi2Status instance_step(Instance *c, double t, double H)
 
     /* A master that forms H as the difference of two times is off by their rounding: take the
        last step's H again, so that all ways to count time give the same bits. */
-    double rounding = 4*DBL_EPSILON*fmax(fabs(t), fabs(end));
+    double rounding = 4 * DBL_EPSILON * fmax(fabs(t), fabs(end));
     if (core->step > 0 && fabs(H - core->step) <= rounding) H = core->step;
 
     void *excinfo;
@@ -296,8 +298,7 @@ fmi2Status instance_step(Instance *c, double t, double H)
     if (result == fmi2OK) {
         core->time = end;
         core->step = H;
-    }
-    else {
+    } else {
         core->time = t + (c->state[0] - before);
         core->mode = STEP_FAILED;
     }

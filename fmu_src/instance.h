@@ -32,12 +32,12 @@ extern const char *const CATEGORY_NAMES[N_CATEGORIES];
 
 /* What a snapshot holds: this, and behind it in the same block of memory reals, state, u. */
 typedef struct {
-    double start_time, stop_time;     /* s; stop_time is infinite when the master gave none */
-    double time;                      /* s, the master's: its last point plus its last step */
-    double step;                      /* s, the last step taken; 0 before the first */
-    int64_t mode;                     /* a Mode */
-    int64_t prepared;                 /* 1: the state knows the present parameters */
-    int64_t started;                  /* 1: the state follows from the present start values */
+    double start_time, stop_time; /* s; stop_time is infinite when the master gave none */
+    double time;                  /* s, the master's: its last point plus its last step */
+    double step;                  /* s, the last step taken; 0 before the first */
+    int64_t mode;                 /* a Mode */
+    int64_t prepared;             /* 1: the state knows the present parameters */
+    int64_t started;              /* 1: the state follows from the present start values */
 } Core;
 
 typedef struct {
@@ -47,12 +47,12 @@ typedef struct {
 
     Resource resource;
 
-    Core *core;                       /* the block of core_size bytes */
+    Core *core; /* the block of core_size bytes */
     size_t core_size;
-    double *reals, *state, *u;        /* parts of that block */
+    double *reals, *state, *u; /* parts of that block */
 
     double *work, *y;
-    bool current;                     /* y follows from the present reals, state and u */
+    bool current; /* y follows from the present reals, state and u */
 } Instance;
 
 /* NULL, with the reason in the log, when the resource or the GUID is not good. */

@@ -25,8 +25,8 @@
    single values */
 enum { STIFF = 10, NOT_STIFF = 11, OUTPUT_NOT_FINITE = 13 };
 
-#define MOST_NOTICES 16
-#define N_HEAD_OF_STATE (3 + 3*MOST_NOTICES)
+#define MOST_NOTICES    16
+#define N_HEAD_OF_STATE (3 + 3 * MOST_NOTICES)
 
 /* after any change of a parameter, before anything else uses it */
 int32_t mbdfmi_prepare(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
@@ -43,6 +43,7 @@ int32_t mbdfmi_step(int64_t *status, void **excinfo, const int64_t *ints, double
 
 /* y at the present state */
 int32_t mbdfmi_outputs(int64_t *status, void **excinfo, const int64_t *ints, double *reals,
-                       const int64_t *ints_again, double *state, double *work, double *u, double *y);
+                       const int64_t *ints_again, double *state, double *work, double *u,
+                       double *y);
 
 #endif

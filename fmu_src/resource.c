@@ -16,10 +16,10 @@
 #endif
 
 #define FILE_NAME "model.bin"
-#define VERSION 3
-#define N_COUNTS 10
-#define N_SEALED 7                        /* of them: those of numbers */
-#define MAX_COUNT (INT64_C(1) << 24)      /* of any array: far beyond any model */
+#define VERSION   3
+#define N_COUNTS  10
+#define N_SEALED  7                  /* of them: those of numbers */
+#define MAX_COUNT (INT64_C(1) << 24) /* of any array: far beyond any model */
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', '\1'};
 
@@ -51,10 +51,9 @@ static FILE *open_file(const char *path)
 #ifdef _WIN32
     FILE *file = NULL;
     int n = MultiByteToWideChar(CP_UTF8, 0, path, -1, NULL, 0);
-    wchar_t *wide = n > 0 ? malloc(n*sizeof *wide) : NULL;
+    wchar_t *wide = n > 0 ? malloc(n * sizeof *wide) : NULL;
 
-    if (wide && MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, n) > 0)
-        file = _wfopen(wide, L"rb");
+    if (wide && MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, n) > 0) file = _wfopen(wide, L"rb");
     free(wide);
     return file;
 #else
@@ -90,8 +89,10 @@ static char *file_path(const char *location, char *why, size_t why_size)
 
     /* the authority: none, localhost, or (on Windows) the drive that some tools write there, or the
        host of a share */
-    if (uri && starts_with(from, "//localhost/")) from += 11;
-    else if (uri && starts_with(from, "///")) from += 2;
+    if (uri && starts_with(from, "//localhost/"))
+        from += 11;
+    else if (uri && starts_with(from, "///"))
+        from += 2;
 #ifdef _WIN32
     else if (uri && starts_with(from, "//") && isalpha((unsigned char)from[2]) && from[3] == ':')
         from += 2;
@@ -119,10 +120,10 @@ static char *file_path(const char *location, char *why, size_t why_size)
             return NULL;
         }
         if (low >= 0) {
-            *to++ = (char)(16*high + low);
+            *to++ = (char)(16 * high + low);
             from += 3;
-        }
-        else *to++ = *from++;
+        } else
+            *to++ = *from++;
     }
     *to = '\0';
 
@@ -155,8 +156,7 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
 {
     Head head;
 
-    if (fread(&head, sizeof head, 1, file) != 1)
-        return fail(why, why_size, "it is too short");
+    if (fread(&head, sizeof head, 1, file) != 1) return fail(why, why_size, "it is too short");
     if (memcmp(head.magic, MAGIC, sizeof MAGIC) != 0)
         return fail(why, why_size, "it is not a model of mbdfmi");
     if (head.version != VERSION)
@@ -168,13 +168,11 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
     if (size < 0 || (uint64_t)size - sizeof head != head.length)
         return fail(why, why_size, "it has %ld bytes and should have %llu: truncated or damaged",
                     size, (unsigned long long)head.length + sizeof head);
-    if (head.length < sizeof(Sizes))
-        return fail(why, why_size, "it is too short");
+    if (head.length < sizeof(Sizes)) return fail(why, why_size, "it is too short");
 
     *length = (size_t)head.length;
     r->data = malloc(*length);
-    if (!r->data)
-        return fail(why, why_size, "out of memory for %zu bytes", *length);
+    if (!r->data) return fail(why, why_size, "out of memory for %zu bytes", *length);
     if (fseek(file, sizeof head, SEEK_SET) != 0 || fread(r->data, 1, *length, file) != *length)
         return fail(why, why_size, "it cannot be read to its end");
     if (crc32_of(r->data, *length) != head.crc)
@@ -187,13 +185,13 @@ static bool is_sealed(const Sizes *sizes, const unsigned char *numbers, size_t s
 {
     Sha256 s;
     unsigned char digest[SHA256_SIZE];
-    char hex[2*16 + 1], guid[GUID_SIZE];
+    char hex[2 * 16 + 1], guid[GUID_SIZE];
 
     sha256_start(&s);
-    sha256_add(&s, sizes->count, N_SEALED*sizeof sizes->count[0]);
+    sha256_add(&s, sizes->count, N_SEALED * sizeof sizes->count[0]);
     sha256_add(&s, numbers, size);
     sha256_end(&s, digest);
-    for (int i = 0; i < 16; i++) snprintf(hex + 2*i, 3, "%02x", digest[i]);
+    for (int i = 0; i < 16; i++) snprintf(hex + 2 * i, 3, "%02x", digest[i]);
     snprintf(guid, sizeof guid, "{%.8s-%.4s-%.4s-%.4s-%.12s}", hex, hex + 8, hex + 12, hex + 16,
              hex + 20);
     return strcmp(guid, sizes->guid) == 0;
@@ -203,8 +201,9 @@ static bool is_sealed(const Sizes *sizes, const unsigned char *numbers, size_t s
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
     Sizes sizes;
-    int64_t *counts[N_COUNTS] = {&r->n_ints, &r->n_reals, &r->n_state, &r->n_work, &r->n_u, &r->n_y,
-                                 &r->n_param, &r->n_places, &r->n_messages, &r->n_notices};
+    int64_t *counts[N_COUNTS] = {&r->n_ints,     &r->n_reals,  &r->n_state, &r->n_work,
+                                 &r->n_u,        &r->n_y,      &r->n_param, &r->n_places,
+                                 &r->n_messages, &r->n_notices};
 
     memcpy(&sizes, r->data, sizeof sizes);
     for (int i = 0; i < N_COUNTS; i++) {
@@ -214,22 +213,21 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     }
     if (r->n_state < N_HEAD_OF_STATE)
         return fail(why, why_size, "it has no room for time and notices in its state");
-    if (sizes.guid[GUID_SIZE - 1] != '\0')
-        return fail(why, why_size, "its GUID is too long");
+    if (sizes.guid[GUID_SIZE - 1] != '\0') return fail(why, why_size, "its GUID is too long");
     memcpy(r->guid, sizes.guid, GUID_SIZE);
 
     /* numbers: 8 bytes each; strings: at least their NUL */
-    int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2*r->n_param;
+    int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2 * r->n_param;
     int64_t n_names = r->n_u + r->n_y + r->n_param;
-    int64_t n_strings = n_names + r->n_places + 2*r->n_messages + r->n_notices;
+    int64_t n_strings = n_names + r->n_places + 2 * r->n_messages + r->n_notices;
     int64_t room = (int64_t)(length - sizeof sizes) - SHA256_SIZE;
 
-    if (n_numbers > room/8 || n_strings > room - 8*n_numbers)
+    if (n_numbers > room / 8 || n_strings > room - 8 * n_numbers)
         return fail(why, why_size, "its sizes do not agree with its length");
 
     const unsigned char *data = r->data + sizeof sizes;
     r->ints = (const int64_t *)data;
-    r->reals = (const double *)(data + 8*r->n_ints);
+    r->reals = (const double *)(data + 8 * r->n_ints);
     r->u_start = r->reals + r->n_reals;
     r->param_index = (const int64_t *)(r->u_start + r->n_u);
     r->param_tunable = r->param_index + r->n_param;
@@ -238,18 +236,17 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
         if (r->param_index[i] < 0 || r->param_index[i] >= r->n_reals)
             return fail(why, why_size, "a parameter lies outside the reals");
 
-    if (!is_sealed(&sizes, data, (size_t)(8*n_numbers + SHA256_SIZE)))
+    if (!is_sealed(&sizes, data, (size_t)(8 * n_numbers + SHA256_SIZE)))
         return fail(why, why_size, "its contents are not those that its GUID was made of");
 
     const char *text = (const char *)(r->param_tunable + r->n_param) + SHA256_SIZE;
     const char *end = (const char *)(r->data + length);
 
-    r->names = malloc((size_t)(n_strings + 1)*sizeof *r->names);
-    if (!r->names)
-        return fail(why, why_size, "out of memory");
+    r->names = malloc((size_t)(n_strings + 1) * sizeof *r->names);
+    if (!r->names) return fail(why, why_size, "out of memory");
     r->places = r->names + n_names;
     r->messages = r->places + r->n_places;
-    r->notices = r->messages + 2*r->n_messages;
+    r->notices = r->messages + 2 * r->n_messages;
     if (!take_strings(r->names, n_strings, &text, end) || text != end)
         return fail(why, why_size, "its names do not agree with its length");
     return true;
@@ -264,7 +261,7 @@ bool resource_read(Resource *r, const char *location, char *why, size_t why_size
 
     memset(r, 0, sizeof *r);
     bool good = file && read_data(r, file, &length, reason, sizeof reason)
-                     && take_apart(r, length, reason, sizeof reason);
+                && take_apart(r, length, reason, sizeof reason);
 
     if (path && !file)
         fail(why, why_size, "the resource file '%s' cannot be opened", path);
@@ -287,6 +284,6 @@ void resource_free(Resource *r)
 const char *resource_message(const Resource *r, int64_t code)
 {
     for (int64_t i = 0; i < r->n_messages; i++)
-        if (strtoll(r->messages[2*i], NULL, 10) == code) return r->messages[2*i + 1];
+        if (strtoll(r->messages[2 * i], NULL, 10) == code) return r->messages[2 * i + 1];
     return NULL;
 }

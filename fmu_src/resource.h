@@ -25,22 +25,21 @@
 #define GUID_SIZE 64
 
 typedef struct {
-    int64_t n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages,
-            n_notices;
-    char guid[GUID_SIZE];             /* NUL-padded, and NUL-terminated */
+    int64_t n_ints, n_reals, n_state, n_work, n_u, n_y, n_param, n_places, n_messages, n_notices;
+    char guid[GUID_SIZE]; /* NUL-padded, and NUL-terminated */
 
     const int64_t *ints;
-    const double *reals;              /* start values of an instance's reals */
-    const double *u_start;            /* start values of the inputs */
-    const int64_t *param_index;       /* where in reals a parameter is */
-    const int64_t *param_tunable;     /* 1: may be set during the simulation */
+    const double *reals;          /* start values of an instance's reals */
+    const double *u_start;        /* start values of the inputs */
+    const int64_t *param_index;   /* where in reals a parameter is */
+    const int64_t *param_tunable; /* 1: may be set during the simulation */
 
-    const char **names;               /* of the variables, by value reference */
+    const char **names; /* of the variables, by value reference */
     const char **places;
-    const char **messages;            /* 2*n_messages: code, text, code, text ... */
-    const char **notices;             /* what to warn of when an instance starts */
+    const char **messages; /* 2*n_messages: code, text, code, text ... */
+    const char **notices;  /* what to warn of when an instance starts */
 
-    unsigned char *data;              /* owns what the pointers above point to */
+    unsigned char *data; /* owns what the pointers above point to */
 } Resource;
 
 /* Reads model.bin in the folder that the URI (file:/..., file:///..., percent-encoded) or plain

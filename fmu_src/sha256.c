@@ -12,14 +12,17 @@ static const uint32_t K[64] = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-static uint32_t turn(uint32_t x, int n) { return x >> n | x << (32 - n); }
+static uint32_t turn(uint32_t x, int n)
+{
+    return x >> n | x << (32 - n);
+}
 
 static void take_block(Sha256 *s)
 {
     uint32_t w[64], v[8];
 
     for (int i = 0; i < 16; i++) {
-        const unsigned char *b = s->block + 4*i;
+        const unsigned char *b = s->block + 4 * i;
         w[i] = (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3];
     }
     for (int i = 16; i < 64; i++) {
@@ -33,9 +36,9 @@ static void take_block(Sha256 *s)
         uint32_t a = v[0], e = v[4];
         uint32_t one = v[7] + (turn(e, 6) ^ turn(e, 11) ^ turn(e, 25)) + ((e & v[5]) ^ (~e & v[6]))
                        + K[i] + w[i];
-        uint32_t two = (turn(a, 2) ^ turn(a, 13) ^ turn(a, 22))
-                       + ((a & v[1]) ^ (a & v[2]) ^ (v[1] & v[2]));
-        memmove(v + 1, v, 7*sizeof *v);
+        uint32_t two =
+            (turn(a, 2) ^ turn(a, 13) ^ turn(a, 22)) + ((a & v[1]) ^ (a & v[2]) ^ (v[1] & v[2]));
+        memmove(v + 1, v, 7 * sizeof *v);
         v[4] += one;
         v[0] = one + two;
     }
@@ -62,7 +65,7 @@ void sha256_add(Sha256 *s, const void *data, size_t size)
 
 void sha256_end(Sha256 *s, unsigned char digest[SHA256_SIZE])
 {
-    uint64_t bits = 8*s->length;
+    uint64_t bits = 8 * s->length;
     unsigned char byte = 0x80;
 
     do {
@@ -74,5 +77,5 @@ void sha256_end(Sha256 *s, unsigned char digest[SHA256_SIZE])
         sha256_add(s, &byte, 1);
     }
     for (int i = 0; i < SHA256_SIZE; i++)
-        digest[i] = (unsigned char)(s->h[i/4] >> (24 - 8*(i % 4)));
+        digest[i] = (unsigned char)(s->h[i / 4] >> (24 - 8 * (i % 4)));
 }

@@ -9,7 +9,7 @@
 
 typedef struct {
     uint32_t h[8];
-    uint64_t length;                  /* bytes so far */
+    uint64_t length; /* bytes so far */
     unsigned char block[64];
 } Sha256;
 

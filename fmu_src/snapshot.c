@@ -14,10 +14,10 @@ static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 struct Snapshot {
     char magic[8];
     uint32_t version;
-    uint32_t crc;                     /* of core and what follows, in the serialised form */
+    uint32_t crc; /* of core and what follows, in the serialised form */
     int64_t n_reals, n_state, n_u;
     char guid[GUID_SIZE];
-    Core core;                        /* and the rest of the instance's block */
+    Core core; /* and the rest of the instance's block */
 };
 
 #define HEAD_SIZE offsetof(Snapshot, core)
@@ -63,10 +63,8 @@ const char *snapshot_fault(const Instance *c, const Snapshot *s)
 
     if (memcmp(s->magic, MAGIC, sizeof MAGIC) != 0)
         return "it is not a state of an FMU made by mbdfmi";
-    if (s->version != VERSION)
-        return "it has another format";
-    if (memcmp(s->guid, r->guid, GUID_SIZE) != 0)
-        return "it belongs to another FMU";
+    if (s->version != VERSION) return "it has another format";
+    if (memcmp(s->guid, r->guid, GUID_SIZE) != 0) return "it belongs to another FMU";
     if (s->n_reals != r->n_reals || s->n_state != r->n_state || s->n_u != r->n_u)
         return "its sizes are not those of this FMU";
     return NULL;
@@ -100,7 +98,7 @@ static bool possible(const Instance *c, const Core *core)
 
     for (int64_t i = 0; i < r->n_reals; i++)
         if (!isfinite(reals[i]) && !(reals[i] == r->reals[i])) return false;
-    for (int64_t i = 0; i < N_DERIVATIVE*r->n_u; i++)
+    for (int64_t i = 0; i < N_DERIVATIVE * r->n_u; i++)
         if (!isfinite(u[i])) return false;
     return true;
 }
@@ -123,8 +121,7 @@ Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_
     *fault = snapshot_fault(c, copy);
     if (!*fault && crc32_of(bytes + HEAD_SIZE, c->core_size) != copy->crc)
         *fault = "its checksum is wrong: damaged";
-    if (!*fault && !possible(c, &copy->core))
-        *fault = "it holds impossible values";
+    if (!*fault && !possible(c, &copy->core)) *fault = "it holds impossible values";
     if (*fault) {
         free(copy);
         return NULL;
