@@ -54,6 +54,12 @@ fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
     return status;
 }
 
+/* Where an array of the state is. */
+static double *in_state(const Instance *c, int array)
+{
+    return c->state + c->ints[array];
+}
+
 /* Writes a text in which %s stands for the name and each %g for the next of two numbers. The text
    comes from a file and is never a format. */
 static void fill_in(char *to, size_t size, const char *text, const char *name,
@@ -85,7 +91,7 @@ static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int6
                        const double numbers[2])
 {
     char told[768];
-    int64_t code = status % 256, place = status / 256;
+    int64_t code = status % PLACE, place = status / PLACE;
     const Resource *r = &c->resource;
     const char *text = resource_message(r, code);
     const char *name = "?";
@@ -100,7 +106,7 @@ static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int6
         fill_in(told, sizeof told, text, name, numbers);
     else
         snprintf(told, sizeof told, "failure %d at %s", (int)code, name);
-    return instance_log(c, severity, "%s at t = %.9g s: %s", doing, c->state[0], told);
+    return instance_log(c, severity, "%s at t = %.9g s: %s", doing, *in_state(c, AT_time), told);
 }
 
 /* Tells what a kernel said; OK when it said nothing. `severity` is that of a failure. */
@@ -116,14 +122,14 @@ static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, in
 /* Tells the notices of the kernels, once; the state may come from outside. */
 static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
 {
-    double count = c->state[2];
+    double *untold = in_state(c, AT_notices), count = *untold;
 
-    c->state[2] = 0;
+    *untold = 0;
     for (int k = 0; k < MOST_NOTICES && k < count; k++) {
-        const double *notice = c->state + 3 + 3 * k;
+        const double *notice = in_state(c, AT_notice) + NOTICE_WIDTH * k;
         if (notice[0] > 0 && notice[0] < INT32_MAX) {
-            int64_t code = (int64_t)notice[0] % 256;
-            bool event = code == STIFF || code == NOT_STIFF;
+            int64_t code = (int64_t)notice[0] % PLACE;
+            bool event = code == CODE_STIFF || code == CODE_NOT_STIFF;
             tell(c, severity == fmi2OK && !event ? fmi2Warning : severity, doing,
                  (int64_t)notice[0], notice + 1);
         }
@@ -159,6 +165,7 @@ static bool allocate(Instance *c)
     c->y = calloc((size_t)r->n_y + 1, sizeof(double));
     if (!c->core || !c->work || !c->y) return false;
 
+    c->ints = r->ints;
     c->reals = (double *)(c->core + 1);
     c->state = c->reals + r->n_reals;
     c->u = c->state + r->n_state;
@@ -229,20 +236,18 @@ fmi2Status instance_prepare(Instance *c)
 {
     void *excinfo;
     int64_t status = 0;
-    const int64_t *ints = c->resource.ints;
 
     /* the start too: prepare clears the notices of an earlier one */
     if (!c->core->prepared || !c->core->started) {
-        int32_t broken =
-            mbdfmi_prepare(&status, &excinfo, ints, c->reals, ints, c->state, c->work, c->u);
+        int32_t broken = mbdfmi_prepare(&status, &excinfo, M_OF(c), D_OF(c));
         fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
         if (result != fmi2OK) return result;
         c->core->prepared = 1;
     }
 
     if (!c->core->started) {
-        int32_t broken = mbdfmi_initialise(&status, &excinfo, ints, c->reals, ints, c->state,
-                                           c->work, c->u, c->core->start_time);
+        int32_t broken =
+            mbdfmi_initialise(&status, &excinfo, M_OF(c), D_OF(c), c->core->start_time);
         fmi2Status result = report(c, fmi2Error, "initialisation", broken, status);
         if (result != fmi2OK) {
             tell_notices(c, fmi2Error, "initialisation");
@@ -262,11 +267,10 @@ fmi2Status instance_outputs(Instance *c)
 
     void *excinfo;
     int64_t status = 0;
-    int32_t broken = mbdfmi_outputs(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
-                                    c->state, c->work, c->u, c->y);
+    int32_t broken = mbdfmi_outputs(&status, &excinfo, M_OF(c), D_OF(c), c->y);
 
     /* a value that is not finite is refused where it is asked for */
-    if (status % 256 == OUTPUT_NOT_FINITE) status = 0;
+    if (status % PLACE == CODE_OUTPUT_NOT_FINITE) status = 0;
 
     result = report(c, fmi2Error, "outputs", broken, status);
     c->current = result == fmi2OK;
@@ -288,9 +292,8 @@ fmi2Status instance_step(Instance *c, double t, double H)
 
     void *excinfo;
     int64_t status = 0;
-    double before = c->state[0];
-    int32_t broken = mbdfmi_step(&status, &excinfo, c->resource.ints, c->reals, c->resource.ints,
-                                 c->state, c->work, c->u, H);
+    double before = *in_state(c, AT_time);
+    int32_t broken = mbdfmi_step(&status, &excinfo, M_OF(c), D_OF(c), H);
 
     tell_notices(c, fmi2OK, "step");
     result = report(c, fmi2Discard, "step", broken, status);
@@ -299,7 +302,7 @@ fmi2Status instance_step(Instance *c, double t, double H)
         core->time = end;
         core->step = H;
     } else {
-        core->time = t + (c->state[0] - before);
+        core->time = t + (*in_state(c, AT_time) - before);
         core->mode = STEP_FAILED;
     }
     return result;

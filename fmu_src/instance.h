@@ -47,7 +47,8 @@ typedef struct {
 
     Resource resource;
 
-    Core *core; /* the block of core_size bytes */
+    const int64_t *ints; /* the resource's */
+    Core *core;          /* the block of core_size bytes */
     size_t core_size;
     double *reals, *state, *u; /* parts of that block */
 

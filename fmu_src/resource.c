@@ -197,6 +197,31 @@ static bool is_sealed(const Sizes *sizes, const unsigned char *numbers, size_t s
     return strcmp(guid, sizes->guid) == 0;
 }
 
+/* Whether all arrays lie in their buffers. */
+static bool is_arranged(const Resource *r, char *why, size_t why_size)
+{
+    const int64_t length[N_BUFFER] = {
+        [IN_INTS] = r->n_ints,
+        [IN_REALS] = r->n_reals,
+        [IN_STATE] = r->n_state,
+        [IN_WORK] = r->n_work,
+    };
+
+    if (r->n_ints < HEADER_LENGTH || r->ints[COUNT_n_u] != r->n_u || r->ints[COUNT_n_y] != r->n_y)
+        return fail(why, why_size, "its sizes do not agree with those of its arrays");
+
+    for (int k = N_COUNT; k < HEADER_LENGTH; k++) {
+        const Array *array = &ARRAYS[k - N_COUNT];
+        int64_t count = array->count == ONCE ? 1 : r->ints[array->count];
+        int64_t room = length[array->buffer], at = r->ints[k];
+
+        if (count < 0 || count > MAX_COUNT || at < 0 || at > room
+            || array->width * count > room - at)
+            return fail(why, why_size, "its array '%s' lies outside its buffer", array->name);
+    }
+    return true;
+}
+
 /* Sets the pointers into r->data, trusting no size in it. */
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
@@ -211,8 +236,6 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
             return fail(why, why_size, "it has an impossible size");
         *counts[i] = sizes.count[i];
     }
-    if (r->n_state < N_HEAD_OF_STATE)
-        return fail(why, why_size, "it has no room for time and notices in its state");
     if (sizes.guid[GUID_SIZE - 1] != '\0') return fail(why, why_size, "its GUID is too long");
     memcpy(r->guid, sizes.guid, GUID_SIZE);
 
@@ -238,6 +261,8 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 
     if (!is_sealed(&sizes, data, (size_t)(8 * n_numbers + SHA256_SIZE)))
         return fail(why, why_size, "its contents are not those that its GUID was made of");
+
+    if (!is_arranged(r, why, why_size)) return false;
 
     const char *text = (const char *)(r->param_tunable + r->n_param) + SHA256_SIZE;
     const char *end = (const char *)(r->data + length);

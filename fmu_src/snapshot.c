@@ -49,7 +49,7 @@ void snapshot_restore(Instance *c, const Snapshot *s)
 {
     c->current = false;
     memcpy(c->core, (const char *)s + HEAD_SIZE, c->core_size);
-    c->work[0] = 0;
+    c->work[c->ints[AT_lu_known]] = 0;
 }
 
 void snapshot_free(Snapshot *s)
@@ -93,7 +93,7 @@ static bool possible(const Instance *c, const Core *core)
     if ((core->prepared | core->started | 1) != 1) return false;
     if (mode != INSTANTIATED && mode != INITIALIZATION && !core->started) return false;
     if (!(isfinite(core->start_time) && isfinite(core->time) && core->stop_time >= core->start_time
-          && core->step >= 0 && isfinite(core->step) && isfinite(state[0])))
+          && core->step >= 0 && isfinite(core->step) && isfinite(state[r->ints[AT_time]])))
         return false;
 
     for (int64_t i = 0; i < r->n_reals; i++)

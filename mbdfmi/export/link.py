@@ -18,7 +18,7 @@ import fmpy
 
 from ..files import replacing
 from ..kernels.language import cache_directory, source_hash
-from . import aot
+from . import aot, header
 
 
 class Platform(NamedTuple):
@@ -66,7 +66,7 @@ def library(platform: str, progress: Callable[[str], None] = lambda text: None) 
         raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
 
     kernel_key = _hash([Path(aot.__file__)], source_hash(), f"llvmlite {version('llvmlite')}")
-    key = _hash(_wrapper_files(), kernel_key, f"ziglang {version('ziglang')}")
+    key = _hash(_wrapper_files(), kernel_key, header.layout_header(), f"ziglang {version('ziglang')}")
 
     kernels = cache_directory() / "fmu" / f"{kernel_key}.ll"
     result = cache_directory() / "fmu" / f"{key}-{platform}{PLATFORMS[platform].suffix}"
@@ -120,8 +120,9 @@ def _link(platform: Platform, kernels: Path, library: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / f"fmu{platform.suffix}"
         sources = [*sorted(wrapper_folder().glob("*.c")), kernels]
+        (Path(folder) / header.NAME).write_text(header.layout_header())
         command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS, *platform.flags]
-        command += [f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]
+        command += [f"-I{folder}", f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]
 
         # zig keeps what it builds of a platform's C library
         environment = os.environ | {

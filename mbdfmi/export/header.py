@@ -1,0 +1,117 @@
+"""layout.h: what the C wrapper knows of the package, written from the package's own tables when a library is linked.
+
+No place in a buffer, no size, code or name that both languages use is written down twice.
+"""
+
+import inspect
+from collections.abc import Iterable
+
+from numba import types
+
+from ..kernels import entry, layout, status, views
+from ..kernels.motion.commands import N_DERIVATIVE
+
+NAME = "layout.h"
+
+_BUFFERS = ("ints", "reals", "state", "work")
+_CODES = ("OK", "STIFF", "NOT_STIFF", "OUTPUT_NOT_FINITE")  # that the wrapper treats in a way of its own
+_TYPES = {types.int64: "int64_t ", types.float64: "double ", views.REALS: "double *"}
+_VIEWS = {views.MODEL: ("m", views.ModelView), views.DATA: ("d", views.DataView)}
+
+
+def layout_header() -> str:
+    """The text of layout.h."""
+    parts = [_arrays(), _statuses(), _entries()]
+    return "\n\n".join(
+        [
+            f"/* Written by {__name__} when a library is linked: what C knows of the package. */",
+            "#ifndef MBDFMI_LAYOUT_H\n#define MBDFMI_LAYOUT_H\n\n#include <stdint.h>",
+            *parts,
+            "#endif\n",
+        ]
+    )
+
+
+def _enum(names: Iterable[str], first: int = 0) -> str:
+    """An enumeration that counts from `first`."""
+    lines = [f"    {name}{f' = {first}' if k == 0 else ''},\n" for k, name in enumerate(names)]
+    return "enum {\n" + "".join(lines) + "};"
+
+
+def _arrays() -> str:
+    """Counts, places and lengths of the arrays (kernels/layout.py)."""
+    counts = _enum([*(f"COUNT_{name}" for name in layout.COUNTS), "N_COUNT"])
+    places = _enum([*(f"AT_{row.name}" for row in layout.ARRAYS), "HEADER_LENGTH"], len(layout.COUNTS))
+    rows = []
+
+    for row in layout.ARRAYS:
+        fixed = isinstance(row.count, int)
+        width = row.width * row.count if fixed else row.width
+        count = "ONCE" if fixed else f"COUNT_{row.count}"
+        rows.append(f'    {{"{row.name}", IN_{row.buffer.upper()}, {width}, {count}}},\n')
+
+    return f"""/* The head of ints: a model's counts ... */
+{counts}
+
+/* ... then the offset of each array in its buffer. */
+{places}
+
+typedef enum {{ {", ".join(f"IN_{name.upper()}" for name in _BUFFERS)}, N_BUFFER }} Buffer;
+
+typedef struct {{
+    const char *name;
+    Buffer buffer;
+    int64_t width;                    /* numbers for each of the count */
+    int count;                        /* where the count stands, or ONCE */
+}} Array;
+
+#define ONCE (-1)
+
+/* The arrays, as their offsets stand in the head of ints and as they follow one another in their buffers. */
+static const Array ARRAYS[HEADER_LENGTH - N_COUNT] = {{
+{"".join(rows)}}};"""
+
+
+def _statuses() -> str:
+    """What a status and a notice are (kernels/status.py), and how many derivatives inputs have."""
+    codes = "".join(f"    CODE_{name} = {getattr(status, name)},\n" for name in _CODES)
+    return f"""/* A status is code + PLACE*place. */
+#define PLACE {status.status(0, 1)}
+enum {{
+{codes}}};
+
+/* Each notice is a status and the numbers of its text. */
+#define MOST_NOTICES {status.MOST_NOTICES}
+#define NOTICE_WIDTH {layout.ROW["notice"].width}
+
+/* Inputs are values and their derivatives, n_u of each. */
+#define N_DERIVATIVE {N_DERIVATIVE}"""
+
+
+def _entries() -> str:
+    """Prototypes of the compiled kernels (kernels/entry.py), and the buffers that they take for m and d."""
+    lines = []
+
+    for name, view in _VIEWS.values():
+        buffers = ", ".join(f"(c)->{buffer}" for buffer in view._buffer_names)
+        lines.append(f"#define {name.upper()}_OF(c) {buffers}\n")
+
+    for name, (kernel, signature) in entry.ENTRIES.items():
+        given = inspect.signature(getattr(kernel, "py_func", kernel)).parameters
+        arguments = [_argument(kind, argument) for kind, argument in zip(signature.args, given)]
+        result = f"{_TYPES[signature.return_type]}*status"
+        lines.append(f"\nint32_t {name}({', '.join([result, 'void **excinfo', *arguments])});\n")
+
+    return f"/* Entries of the kernels; see kernels.h. */\n{''.join(lines)}".rstrip()
+
+
+def _argument(kind, name: str) -> str:
+    """An argument of an entry, as C takes it."""
+    if kind not in _VIEWS:
+        return f"{_TYPES[kind]}{name}"
+
+    name, view = _VIEWS[kind]
+    return ", ".join(
+        f"const int64_t *{name}_{buffer}" if buffer == "ints" else f"double *{name}_{buffer}"
+        for buffer in view._buffer_names
+    )
