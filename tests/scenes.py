@@ -218,7 +218,7 @@ def evaluate(instance: Instance) -> np.ndarray:
 
 def velocities(instance: Instance) -> np.ndarray:
     """v (n_v,), a view."""
-    return instance.d.x[instance.m.n_q : instance.m.n_q + instance.m.n_v]
+    return instance.d.v
 
 
 def inverse_dynamics(instance: Instance, accelerations) -> np.ndarray:
@@ -227,7 +227,7 @@ def inverse_dynamics(instance: Instance, accelerations) -> np.ndarray:
     kinematics.kinematics(m, d)
     inertia.inertias(m, d)
     forces.apply(m, d)
-    d.x_rate[m.n_q :] = accelerations
+    d.v_rate[:] = accelerations
     tau = np.zeros(m.n_v)
     inverse.rnea(m, d, tau)
     return tau

@@ -151,7 +151,7 @@ def second_rate(instance, name, joint, quantity, course):
     if joint.kind not in ("spherical", "free"):
         each = {"screw": {"angle": [1]}, "cylindrical": {"position": [0], "angle": [1]}}.get(joint.kind, {})
         each = each or {"planar": {"position": [0, 1], "angle": [2]}}.get(joint.kind, {quantity: range(len(mine))})
-        values = [d.x_rate[m.n_q + m.body_v[mine[k]]] for k in each[quantity]]
+        values = [d.v_rate[m.body_v[mine[k]]] for k in each[quantity]]
         return values if len(values) > 1 else values[0]
 
     # of poses the accelerations are told by markers; compare these with those of the course

@@ -91,21 +91,21 @@ def along(instance, q, v, a, t):
     m, d = instance.m, instance.d
 
     def rates(q, t):
-        d.x[: m.n_q] = q
-        d.x[m.n_q : m.n_q + m.n_v] = v + a * t
+        d.q[:] = q
+        d.v[:] = v + a * t
 
         for i in range(1, m.n_body):
             joints.position_rates(m, d, i)
 
-        return d.x_rate[: m.n_q].copy()
+        return d.q_rate.copy()
 
     k1 = rates(q, 0.0)
     k2 = rates(q + t / 2 * k1, t / 2)
     k3 = rates(q + t / 2 * k2, t / 2)
     k4 = rates(q + t * k3, t)
-    d.x[: m.n_q] = q + t / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    d.x[m.n_q : m.n_q + m.n_v] = v + a * t
-    d.x_rate[m.n_q : m.n_q + m.n_v] = a
+    d.q[:] = q + t / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    d.v[:] = v + a * t
+    d.v_rate[:] = a
     kinematics.kinematics(m, d)
     kinematics.accelerations(m, d)
     rows.write_rows(m, d)
@@ -132,9 +132,9 @@ def test_rows_against_differences(kind, formulation):
         instance = Instance(compile_scene(with_solver(scene, formulation=formulation)))
         m, d = instance.m, instance.d
         rng = np.random.default_rng(seed)
-        d.x[: m.n_q] += 0.1 * rng.normal(size=m.n_q)
+        d.q[:] += 0.1 * rng.normal(size=m.n_q)
         projection.unit_E(m, d)
-        (rate, acceleration), found = slopes(instance, d.x[: m.n_q].copy(), *rng.normal(size=(2, m.n_v)))
+        (rate, acceleration), found = slopes(instance, d.q.copy(), *rng.normal(size=(2, m.n_v)))
 
         # angles of joints that close loops are exact where these are closed
         plain = m.row_kind != rows.COUPLING

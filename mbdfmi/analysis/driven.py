@@ -93,10 +93,10 @@ class DrivenPart:
         x'; it is held.
         """
         d.held[self.nodes] = 1.0
-        v = [m.n_q + k for k in self.velocities(m)]
+        v = self.velocities(m)
 
         if not self.is_pose:
-            d.x[self.positions(m)], d.x[v], d.x_rate[v] = values.T
+            d.q[self.positions(m)], d.v[v], d.v_rate[v] = values.T
             return
 
         r, E = (values[:3].T, values[3:].T) if self.kind == "free" else (np.zeros((3, 3)), values.T)
@@ -112,12 +112,12 @@ class DrivenPart:
 
         n = len(values) - 4
         q = self.positions(m)
-        d.x[q[:n]], d.x[v[:n]], d.x_rate[v[:n]] = r[:, :n]
-        d.x[q[n:]], d.x[v[n:]], d.x_rate[v[n:]] = E, A.T @ w, A.T @ alpha
+        d.q[q[:n]], d.v[v[:n]], d.v_rate[v[:n]] = r[:, :n]
+        d.q[q[n:]], d.v[v[n:]], d.v_rate[v[n:]] = E, A.T @ w, A.T @ alpha
 
     def where(self, m, d):
         """Its positions (size,) in the state."""
-        q = d.x[self.positions(m)].copy()
+        q = d.q[self.positions(m)].copy()
 
         if not (self.is_pose and self.reversed):
             return q

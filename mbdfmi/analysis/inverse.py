@@ -118,7 +118,7 @@ class _Run:
         self.m, self.d = self.instance.m, self.instance.d
         self._ask_for_reactions(model)
         held = {v for part in self.parts for v in part.velocities(self.m)}
-        self.free_v = [self.m.n_q + v for v in range(self.m.n_v) if v not in held]
+        self.free_v = [v for v in range(self.m.n_v) if v not in held]
         places = {self.m.n_q + v for v in held} | {q for part in self.parts for q in part.positions(self.m)}
         self.loose = [k for k in range(self.m.n_x) if k not in places]
         self.between: list[BPoly] = []
@@ -139,9 +139,9 @@ class _Run:
     def results(self, tolerance, notices, progress):
         """The efforts, the motion and the outputs at all times."""
         m, d, times = self.m, self.d, self.times
-        velocity = d.x[self.free_v].copy()
+        velocity = d.v[self.free_v].copy()
         self._approach()
-        d.x[self.free_v] = velocity
+        d.v[self.free_v] = velocity
         columns = np.empty((len(times), self.instance.model.n_y))
         efforts = {name: [] for name in self.told}
 

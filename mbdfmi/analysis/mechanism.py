@@ -122,16 +122,16 @@ class Mechanism:
         """What is seen at the position of the state."""
         m, d = self.m, self.d
         x = d.x.copy()
-        d.x[m.n_q : m.n_q + m.n_v] = 0.0
+        d.v[:] = 0.0
         rest, _ = self._look()
         C = np.empty((m.n_row, len(self.free)))
         twist = np.empty((len(self.free), m.n_body, 6))
 
         for k, v in enumerate(self.free):
-            d.x[m.n_q + v] = 1.0
+            d.v[v] = 1.0
             rate, twist[k] = self._look()
             C[:, k] = rate - rest
-            d.x[m.n_q + v] = 0.0
+            d.v[v] = 0.0
 
         moment, force = self._wrenches()
         turning = np.linalg.norm(force, axis=1) == 0.0
@@ -249,7 +249,7 @@ class Mechanism:
         """
         for i, node in enumerate(self.model.tree.nodes):
             if node.joint == name:
-                return float(self.d.x[self.m.body_q[i]])
+                return float(self.d.q[self.m.body_q[i]])
 
         place = self.here()
         (a, (r_a, A_a)), (b, (r_b, A_b)) = self._sides(name)

@@ -54,7 +54,7 @@ def _add_contact(builder, name, joint):
         contact_b=builder.joint_marker(name, 1, np.eye(3)),
         contact_from=shapes[0],
         contact_to=shapes[1],
-        contact_s=first,
+        contact_z=first,
         contact_given=given,
     )
 

@@ -133,11 +133,13 @@ def _assemble(builder):
     scene = builder.scene
     counts = {name: table.length for name, table in builder.tables.items()}
     counts |= builder.counts
+    n_s = len(builder.single["s_start"])
     counts |= {
         "n_q": builder.n_q,
         "n_v": builder.n_v,
-        "n_x": builder.n_q + builder.n_v + len(builder.single["s_start"]) + counts["n_turn"],
-        "n_s": len(builder.single["s_start"]),
+        "n_s": n_s,
+        "n_z": n_s + counts["n_turn"],
+        "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
         "output_needs": outputs.needs([kind for _, _, kind, _ in builder.outputs]),

@@ -21,7 +21,8 @@ COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
     "n_v",  # velocity coordinates
-    "n_x",  # integrated states: n_q + n_v + n_s + n_turn
+    "n_z",  # other states: parameters of end frames, then angles of joints outside the tree
+    "n_x",  # integrated states: n_q + n_v + n_z
     "n_solid",  # the user's bodies, each fixed in a node
     "n_marker",
     "n_coordinate",  # joint coordinates that something refers to
@@ -68,13 +69,14 @@ COUNTS = (
 
 
 class Row(NamedTuple):
-    """One array: `width` numbers for each of `count`."""
+    """One array: `width` numbers for each of `count`; `over`: it lies over that array and those that follow."""
 
     name: str
     buffer: str
     width: int
     count: str | int
     what: str
+    over: str = ""
 
 
 ARRAYS = (
@@ -169,7 +171,7 @@ ARRAYS = (
     Row("contact_b", "ints", 1, "n_contact", "second marker"),
     Row("contact_from", "ints", 1, "n_contact", "curve or surface of the first marker"),
     Row("contact_to", "ints", 1, "n_contact", "curve of the second marker"),
-    Row("contact_s", "ints", 1, "n_contact", "first parameter"),
+    Row("contact_z", "ints", 1, "n_contact", "first parameter, of z"),
     Row("contact_given", "ints", 1, "n_contact", "1: start values of the parameters are given"),
     Row("told_kind", "ints", 1, "n_told", "see notes.py"),
     Row("told_at", "ints", 1, "n_told", "node, coordinate or parameter that it is about"),
@@ -290,7 +292,10 @@ ARRAYS = (
     Row("jacobian_known", "state", 1, 1, "1: jacobian holds"),
     Row("jacobian", "state", 1, "n_jacobian", "J = dx'/dx, by rows"),
     Row("lu_step", "state", 1, 1, "s, step that the Newton matrices are of"),
-    Row("x", "state", 1, "n_x", "position, then velocity coordinates, parameters of contacts, angles outside the tree"),
+    Row("q", "state", 1, "n_q", "position coordinates"),
+    Row("v", "state", 1, "n_v", "velocity coordinates"),
+    Row("z", "state", 1, "n_z", "parameters of end frames, angles outside the tree"),
+    Row("x", "state", 1, "n_x", "q, v, z in a row", over="q"),
     Row("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
     Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
     Row("body_I", "state", 6, "n_body", "kg m2 about the node's origin, in the node"),
@@ -318,7 +323,10 @@ ARRAYS = (
     Row("attitude_base", "work", 4, "n_attitude", "orientation commanded at the start of the communication step"),
     Row("tau", "work", 1, "n_v", "efforts in the joints"),
     Row("coordinate_effort", "work", 1, "n_coordinate", "effort along a coordinate that closes a loop"),
-    Row("x_rate", "work", 1, "n_x", "x'; from n_q on the accelerations v'"),
+    Row("q_rate", "work", 1, "n_q", "q'"),
+    Row("v_rate", "work", 1, "n_v", "v'"),
+    Row("z_rate", "work", 1, "n_z", "z'"),
+    Row("x_rate", "work", 1, "n_x", "x': these in a row", over="q_rate"),
     # work: kinematics of the nodes
     Row("r", "work", 3, "n_body", "m, origin from O"),
     Row("A", "work", 9, "n_body", "body axes to O"),
@@ -428,7 +436,10 @@ def arrange(counts: dict[str, int]) -> tuple[list[int], dict[str, int]]:
     offsets = []
 
     for row in ARRAYS:
-        offsets.append(length[row.buffer])
-        length[row.buffer] += row_length(row, counts)
+        if row.over:
+            offsets.append(offsets[SLOT[row.over] - len(COUNTS)])
+        else:
+            offsets.append(length[row.buffer])
+            length[row.buffer] += row_length(row, counts)
 
     return [counts[name] for name in COUNTS] + offsets, length

@@ -88,13 +88,13 @@ def values(m, d, k):
     component = m.told_component[k]
 
     if kind == POSITION:
-        return m.q_start[m.body_q[at]], d.x[m.body_q[at]]
+        return m.q_start[m.body_q[at]], d.q[m.body_q[at]]
 
     if kind == SPEED:
-        return m.v_start[m.body_v[at]], d.x[m.n_q + m.body_v[at]]
+        return m.v_start[m.body_v[at]], d.v[m.body_v[at]]
 
     if kind == PARAMETER:
-        return m.s_start[at], d.x[m.n_q + m.n_v + at]
+        return m.s_start[at], d.z[at]
 
     if kind >= COORDINATE:
         return m.told_value[4 * k], closing_value(m, d, k)

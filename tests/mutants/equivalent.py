@@ -2,7 +2,7 @@
 
 EQUIVALENT = [
     (
-        "kernels/dynamics/redundancy.py", "d.change[v] = d.x[m.n_q + v]", "d.change[v] = d.x[m.n_v + v]",
+        "kernels/dynamics/redundancy.py", "d.change[v] = d.v[v]", "d.change[v] = d.q[v]",
         "any way to a position nearby will do to see which rows stay redundant: "
         "it is projected onto the constraints there",
     ),

@@ -23,7 +23,7 @@ from . import inertia, multipliers, rows
 
 @apart(int64(MODEL, DATA))
 def aba(m, d):
-    """Forward dynamics by articulated bodies: v' into d.x_rate, alpha and rdd of all bodies. Returns a status.
+    """Forward dynamics by articulated bodies: v' into d.v_rate, alpha and rdd of all bodies. Returns a status.
 
     Needs kinematics, inertias, applied wrenches (moment, force), efforts tau (docs/theory.md 6.2; Featherstone
     2008, table 7.1).

@@ -88,11 +88,11 @@ def spread_couplings(m, d):
             b = m.row_value[2 * row + 1]
 
             if known_i and not known_j:
-                d.x[m.body_q[j]] = -(m.row_offset[row] + a * d.x[m.body_q[i]]) / b
+                d.q[m.body_q[j]] = -(m.row_offset[row] + a * d.q[m.body_q[i]]) / b
                 d.white[m.body_v[j]] = 1.0
                 spread = True
             elif known_j and not known_i:
-                d.x[m.body_q[i]] = -(m.row_offset[row] + b * d.x[m.body_q[j]]) / a
+                d.q[m.body_q[i]] = -(m.row_offset[row] + b * d.q[m.body_q[j]]) / a
                 d.white[m.body_v[i]] = 1.0
                 spread = True
 

@@ -254,7 +254,7 @@ def solve_upper(L, n, b):
 
 @apart(int64(MODEL, DATA))
 def forward(m, d):
-    """v' = M^-1 (tau - bias) into d.x_rate, and the bodies' accelerations. Returns a status."""
+    """v' = M^-1 (tau - bias) into d.v_rate, and the bodies' accelerations. Returns a status."""
     failure = factor(m, d)
 
     if failure != OK:
@@ -262,7 +262,7 @@ def forward(m, d):
 
     for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
-            d.x_rate[m.n_q + m.body_v[i] + k] = 0.0
+            d.v_rate[m.body_v[i] + k] = 0.0
 
     if d.lends[0] > 0.0:
         kinematics.accelerations(m, d)
@@ -282,7 +282,7 @@ def forward(m, d):
 
     for i in range(1, m.n_body):
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
-            d.x_rate[m.n_q + m.body_v[i] + k] = d.change[m.body_v[i] + k]
+            d.v_rate[m.body_v[i] + k] = d.change[m.body_v[i] + k]
 
     kinematics.accelerations(m, d)
     return OK

@@ -125,7 +125,7 @@ def refine(m, d):
 
 @apart(int64(MODEL, DATA))
 def accelerate(m, d):
-    """v' into d.x_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
+    """v' into d.v_rate and accelerations of all bodies, multipliers of all rows. Returns a status.
 
     Needs kinematics, inertias, applied wrenches and efforts.
     """

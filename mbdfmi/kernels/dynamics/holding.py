@@ -122,7 +122,7 @@ def direction(m, d, i, k):
     kind = m.body_joint[i]
     A = al.mat3(d.A, i)
     q = m.body_q[i] + joints.E_offset(kind)
-    F = al.mat_mat(A, al.transpose(al.E_matrix(al.E_at(d.x, q))))
+    F = al.mat_mat(A, al.transpose(al.E_matrix(al.E_at(d.q, q))))
     reverse = m.body_reversed[i] == 1
     first, second = (A, F) if reverse else (F, A)
 
@@ -132,7 +132,7 @@ def direction(m, d, i, k):
         if not reverse:
             return al.ZERO3, e
 
-        return al.cross(al.mat_vec(F, al.vec_at(d.x, m.body_q[i])), e), al.neg(e)
+        return al.cross(al.mat_vec(F, al.vec_at(d.q, m.body_q[i])), e), al.neg(e)
 
     return al.column(second if m.body_spins[i] == 1 else first, k % 3), al.ZERO3
 
@@ -185,8 +185,8 @@ def deviation(m, d, i, k, what):
 
     if joints.is_one_axis(kind):
         if what == POSITION:
-            return scale * abs(d.x[m.body_q[i]] - m.q_start[m.body_q[i]])
+            return scale * abs(d.q[m.body_q[i]] - m.q_start[m.body_q[i]])
 
-        return scale * abs(d.x[m.n_q + m.body_v[i]] - m.v_start[m.body_v[i]])
+        return scale * abs(d.v[m.body_v[i]] - m.v_start[m.body_v[i]])
 
     return scale * abs(joints.off_start(m, d, i, k, what == POSITION))

@@ -37,7 +37,7 @@ def joint_wrenches(m, d):
 
 @kernel
 def rnea(m, d, tau):
-    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.x_rate, beside the applied wrenches.
+    """Inverse dynamics: the joint efforts tau[n_v] that give the v' in d.v_rate, beside the applied wrenches.
 
     Needs kinematics, inertias, applied wrenches (docs/theory.md 6.1; Featherstone 2008, table 5.1).
     """

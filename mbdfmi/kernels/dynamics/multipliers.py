@@ -479,8 +479,7 @@ def coupling_acceleration(m, d, row, c):
         k = m.row_i[row] if side == 0 else m.row_j[row]
 
         if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE:
-            v = m.n_q + m.body_v[m.coordinate_body[k]]
-            total += m.row_value[2 * row + side] * d.x_rate[v]
+            total += m.row_value[2 * row + side] * d.v_rate[m.body_v[m.coordinate_body[k]]]
 
     if m.constraint_from_2[c] >= 0:
         a = m.marker_body[m.constraint_from_2[c]]
@@ -497,7 +496,7 @@ def coupling_acceleration(m, d, row, c):
 def add_changes(m, d):
     """Add the response to v' and to the bodies' accelerations."""
     for v in range(m.n_v):
-        d.x_rate[m.n_q + v] += d.change[v]
+        d.v_rate[v] += d.change[v]
 
     for i in range(1, m.n_body):
         al.add_vec3(d.alpha, i, al.vec3(d.change_alpha, i))

@@ -34,14 +34,14 @@ GAP_MOST = 1e-3
 
 @kernel
 def unit_E(m, d):
-    """Euler parameters of d.x to unit length."""
+    """Euler parameters of d.q to unit length."""
     for i in range(1, m.n_body):
         k = joints.E_offset(m.body_joint[i])
 
         if k >= 0:
             k += m.body_q[i]
-            E = al.E_at(d.x, k)
-            al.set_E_at(d.x, k, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
+            E = al.E_at(d.q, k)
+            al.set_E_at(d.q, k, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
 
 
 @kernel
@@ -239,7 +239,7 @@ def project_velocities(m, d):
     forward.correct(m, d)
 
     for v in range(m.n_v):
-        d.x[m.n_q + v] += d.change[v]
+        d.v[v] += d.change[v]
 
 
 @apart(int64(MODEL, DATA))

@@ -180,7 +180,7 @@ def power_of_drives(m, d):
         i = m.drive_body[k]
 
         if i >= 0 and m.drive_kind[k] < drives.GROUND_ACCELERATION:
-            power += held_effort(m, d, i) * d.x[m.n_q + m.body_v[i]]
+            power += held_effort(m, d, i) * d.v[m.body_v[i]]
         elif i >= 0:
             power += al.dot(al.vec3(d.bias_moment, i), al.vec3(d.w, i))
             power += al.dot(al.vec3(d.bias_force, i), al.vec3(d.rd, i))

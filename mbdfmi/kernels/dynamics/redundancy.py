@@ -29,7 +29,7 @@ def stir(m, d):
     """Velocities in which every joint without a drive takes part."""
     for i in range(1, m.n_body):
         for v in range(m.body_v[i], m.body_v[i] + joints.n_v(m.body_joint[i])):
-            d.x[m.n_q + v] = math.cos(1.7 * v * v + 0.3) if d.held[i] == 0.0 else 0.0
+            d.v[v] = math.cos(1.7 * v * v + 0.3) if d.held[i] == 0.0 else 0.0
 
     kinematics.kinematics(m, d)
     rows.write_rows(m, d)
@@ -43,12 +43,12 @@ def stir(m, d):
 
 @kernel
 def see_stuck(m, d, seen):
-    """Bodies that do not move in the velocities of d.x: d.stuck is `seen` + 1 for those that were stuck before."""
+    """Bodies that do not move in the velocities d.v: d.stuck is `seen` + 1 for those that were stuck before."""
     kinematics.kinematics(m, d)
     size = 0.0
 
-    for v in range(m.n_q, m.n_q + m.n_v):
-        size = max(size, STUCK * abs(d.x[v]))
+    for v in range(m.n_v):
+        size = max(size, STUCK * abs(d.v[v]))
 
     # what is held, as a ground that moves, is not stuck
     for i in range(1, m.n_body):
@@ -76,7 +76,7 @@ def find_redundant(m, d):
         size = largest(d.x, m.n_x)
 
         for v in range(m.n_v):
-            d.change[v] = d.x[m.n_q + v]
+            d.change[v] = d.v[v]
 
         move_by_change(m, d, 0.1 / (1.0 + size))
         given.store(m, d, given.OTHER)

@@ -148,14 +148,14 @@ def write_coupling(m, d, row):
 def start_turns(m, d):
     """Angles outside the tree near which to start: as given, or where their drives want them."""
     for t in range(m.n_turn):
-        d.x[coordinates.turn(m, t)] = m.turn_start[t]
+        d.z[coordinates.turn(m, t)] = m.turn_start[t]
 
     for row in range(m.n_row):
         t = m.coordinate_turn[m.row_i[row]] if m.row_drive[row] >= 0 else -1
 
         if t >= 0:
             position, _, _ = drives.target(m, d, m.row_drive[row])
-            d.x[coordinates.turn(m, t)] = position
+            d.z[coordinates.turn(m, t)] = position
 
 
 @inlined

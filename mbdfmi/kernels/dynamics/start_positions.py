@@ -64,7 +64,7 @@ def travel(m, d, part):
 
         for k in range(joints.n_q(kind)):
             before = d.x_before[q + k] if part < 0 else d.stage[part * m.n_x + q + k]
-            change = d.x[q + k] - before
+            change = d.q[q + k] - before
 
             # half the angle is the angle between E
             if joints.slides(kind, k):
@@ -156,7 +156,7 @@ def attempt(m, d, stride, nudge, source):
         v = m.body_v[i]
 
         if joints.n_v(m.body_joint[i]) == 1 and d.kept[v] > 0.0:
-            d.x[m.body_q[i]] = m.q_start[m.body_q[i]]
+            d.q[m.body_q[i]] = m.q_start[m.body_q[i]]
 
         for k in range(joints.n_v(m.body_joint[i])):
             d.change[v + k] = 0.0 if d.held[i] > 0.0 else nudge * math.cos(1.7 * (v + k) * (v + k) + 0.3)
@@ -198,7 +198,7 @@ def unwind(m, d):
     for i in range(1, m.n_body):
         if m.body_joint[i] == joints.REVOLUTE and d.white[m.body_v[i]] > 0.0:
             q = m.body_q[i]
-            d.x[q] = coordinates.unwrapped(d.x[q], d.x_before[q])
+            d.q[q] = coordinates.unwrapped(d.q[q], d.x_before[q])
 
 
 @apart(int64(MODEL, DATA))

@@ -33,8 +33,8 @@ def rate_left(m, d):
 @apart(boolean(MODEL, DATA))
 def try_velocities(m, d):
     """Velocities from the start values onto the rows, with what d.kept says. Returns whether they fit."""
-    for k in range(m.n_q, m.n_q + m.n_v):
-        d.x[k] = d.x_before[k]
+    for v in range(m.n_v):
+        d.v[v] = d.x_before[m.n_q + v]
 
     # angular velocities told in the first marker's axes do not turn with the body
     for i in range(1, m.n_body):

@@ -1,6 +1,6 @@
 """Joints of end frames on curves and surfaces: where they touch, and what their rows say.
 
-A contact's parameters s stand behind q and v in d.x. They are those of the closest point (of a
+A contact's parameters s stand in d.z. They are those of the closest point (of a
 curve or surface to a marker's origin) or of the common tangent (of two curves): exactly so after
 every accepted step, where Newton's method finds them anew. In between they are integrated; their
 rates follow from the velocities. Only on a sphere, whose parameters are singular at its poles,
@@ -46,12 +46,6 @@ LONGITUDE_ALLOWED = 0.3
 # samples of a curve, and of each side of a pair, in the search for a start
 SAMPLES = 128
 PAIR_SAMPLES = 64
-
-
-@inlined
-def parameter(m, k):
-    """Where contact k's first parameter stands in x."""
-    return m.n_q + m.n_v + m.contact_s[k]
 
 
 @inlined
@@ -105,7 +99,7 @@ def point_on_curve(m, d, k):
     a = m.contact_a[k]
     A = markers.axes(m, d, a)
     r_b = markers.position(m, d, m.contact_b[k])
-    r, t, tt = curves.point(m, m.contact_from[k], d.x[parameter(m, k)])
+    r, t, tt = curves.point(m, m.contact_from[k], d.z[m.contact_z[k]])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
     return A, r_b, e, t, tt
 
@@ -116,8 +110,8 @@ def point_on_surface(m, d, k):
     a = m.contact_a[k]
     A = markers.axes(m, d, a)
     r_b = markers.position(m, d, m.contact_b[k])
-    s = parameter(m, k)
-    r, r1, r2, r11, r12, r22 = surfaces.point(m, m.contact_from[k], d.x[s], d.x[s + 1])
+    s = m.contact_z[k]
+    r, r1, r2, r11, r12, r22 = surfaces.point(m, m.contact_from[k], d.z[s], d.z[s + 1])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
     return A, r_b, e, r1, r2, r11, r12, r22
 
@@ -133,9 +127,9 @@ def curve_on_curve(m, d, k):
     b = m.contact_b[k]
     A_a = markers.axes(m, d, a)
     A_b = markers.axes(m, d, b)
-    s = parameter(m, k)
-    r_a, t_a, tt_a = curves.point(m, m.contact_from[k], d.x[s])
-    r_b, t_b, tt_b = curves.point(m, m.contact_to[k], d.x[s + 1])
+    s = m.contact_z[k]
+    r_a, t_a, tt_a = curves.point(m, m.contact_from[k], d.z[s])
+    r_b, t_b, tt_b = curves.point(m, m.contact_to[k], d.z[s + 1])
     r = al.add(markers.position(m, d, b), al.mat_vec(A_b, r_b))
     e = al.sub(r, al.add(markers.position(m, d, a), al.mat_vec(A_a, r_a)))
     length = al.norm(t_a)
@@ -208,22 +202,22 @@ def longitude_rate(m, d, k):
 
 @apart(void(MODEL, DATA))
 def parameter_rates(m, d):
-    """s' of all contacts into d.x_rate; needs kinematics."""
+    """s' of all contacts into d.z_rate; needs kinematics."""
     for k in range(m.n_contact):
-        s = parameter(m, k)
+        s = m.contact_z[k]
 
         if is_sphere(m, k):
-            d.x_rate[s] = longitude_rate(m, d, k)
-            d.x_rate[s + 1] = 0.0
+            d.z_rate[s] = longitude_rate(m, d, k)
+            d.z_rate[s + 1] = 0.0
             continue
 
         rate1, rate2 = rates(m, d, k)
 
         if m.contact_kind[k] == ON_CURVE:
-            d.x_rate[s] = rate1
+            d.z_rate[s] = rate1
         else:
-            d.x_rate[s] = rate1
-            d.x_rate[s + 1] = rate2
+            d.z_rate[s] = rate1
+            d.z_rate[s + 1] = rate2
 
 
 @inlined
@@ -333,17 +327,17 @@ def newton(m, d, k):
 @inlined
 def read_sphere(m, d, k):
     """Longitude and latitude of a point on a sphere, on the turn closest to the one before."""
-    s = parameter(m, k)
+    s = m.contact_z[k]
     e = markers.relative_position(m, d, m.contact_a[k], m.contact_b[k])
-    d.x[s] = coordinates.unwrapped(math.atan2(e[1], e[0]), d.x[s])
-    d.x[s + 1] = math.atan2(e[2], math.sqrt(e[0] * e[0] + e[1] * e[1]))
+    d.z[s] = coordinates.unwrapped(math.atan2(e[1], e[0]), d.z[s])
+    d.z[s + 1] = math.atan2(e[2], math.sqrt(e[0] * e[0] + e[1] * e[1]))
 
 
 @apart(void(MODEL, DATA))
 def find_parameters(m, d):
     """s of all contacts from where they are: closest points, common tangents. Needs kinematics."""
     for k in range(m.n_contact):
-        s = parameter(m, k)
+        s = m.contact_z[k]
 
         if d.aim[k] > 0.0:
             continue
@@ -354,12 +348,12 @@ def find_parameters(m, d):
 
         for iteration in range(MAX_ITERATIONS):
             ds1, ds2 = newton(m, d, k)
-            d.x[s] += ds1
-            done = abs(ds1) <= ROUNDING * (1.0 + abs(d.x[s]))
+            d.z[s] += ds1
+            done = abs(ds1) <= ROUNDING * (1.0 + abs(d.z[s]))
 
             if m.contact_kind[k] != ON_CURVE:
-                d.x[s + 1] += ds2
-                done = done and abs(ds2) <= ROUNDING * (1.0 + abs(d.x[s + 1]))
+                d.z[s + 1] += ds2
+                done = done and abs(ds2) <= ROUNDING * (1.0 + abs(d.z[s + 1]))
 
             if done:
                 break
@@ -415,26 +409,26 @@ def windows(m, d, k):
 @kernel
 def search(m, d, k):
     """Parameters of contact k near which it touches, by samples."""
-    s = parameter(m, k)
+    s = m.contact_z[k]
     one, two = windows(m, d, k)
     best = (math.inf, one[0], two[0])
 
     for i in range(one[2]):
         for j in range(two[2]):
-            d.x[s] = one[0] + (one[1] - one[0]) * i / one[2]
+            d.z[s] = one[0] + (one[1] - one[0]) * i / one[2]
 
             if two[2] > 1:
-                d.x[s + 1] = two[0] + (two[1] - two[0]) * j / two[2]
+                d.z[s + 1] = two[0] + (two[1] - two[0]) * j / two[2]
 
             missed = miss(m, d, k)
 
             if missed < best[0]:
-                best = (missed, d.x[s], two[0] + (two[1] - two[0]) * j / two[2])
+                best = (missed, d.z[s], two[0] + (two[1] - two[0]) * j / two[2])
 
-    d.x[s] = best[1]
+    d.z[s] = best[1]
 
     if two[2] > 1:
-        d.x[s + 1] = best[2]
+        d.z[s + 1] = best[2]
 
 
 @kernel
@@ -445,7 +439,7 @@ def start(m, d):
 
         if m.contact_given[k] == 1:
             for i in range(1 if m.contact_kind[k] == ON_CURVE else 2):
-                d.x[parameter(m, k) + i] = m.s_start[m.contact_s[k] + i]
+                d.z[m.contact_z[k] + i] = m.s_start[m.contact_z[k] + i]
 
         elif not is_sphere(m, k):
             search(m, d, k)

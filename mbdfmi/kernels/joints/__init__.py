@@ -77,7 +77,7 @@ def move(m, d, i):
 
     # turned before the chain of products over the bodies, not in it
     if kind == REVOLUTE:
-        A_joint = one_axis.rotated_about_z(A_joint, d.x[m.body_q[i]])
+        A_joint = one_axis.rotated_about_z(A_joint, d.q[m.body_q[i]])
 
     A_parent = al.mat3(d.A, parent)
     w_parent = al.vec3(d.w, parent)
@@ -117,17 +117,17 @@ def subspace(m, d, i, k):
 
 @inlined
 def add_given_acceleration(m, d, i):
-    """S v' to the bias of a joint whose v' is given (in d.x_rate)."""
+    """S v' to the bias of a joint whose v' is given (in d.v_rate)."""
     for k in range(n_v(m.body_joint[i])):
         S_w, S_r = subspace(m, d, i, k)
-        rate = d.x_rate[m.n_q + m.body_v[i] + k]
+        rate = d.v_rate[m.body_v[i] + k]
         al.add_vec3(d.bias_w, i, al.scale(rate, S_w))
         al.add_vec3(d.bias_r, i, al.scale(rate, S_r))
 
 
 @inlined
 def position_rates(m, d, i):
-    """q' of body i's joint from its v, into d.x_rate."""
+    """q' of body i's joint from its v, into d.q_rate."""
     kind = m.body_joint[i]
 
     if is_one_axis(kind):
@@ -140,7 +140,7 @@ def position_rates(m, d, i):
 
 @inlined
 def start(m, d, i):
-    """Start values of body i's joint into d.x, from q_start and v_start. False: E has no length."""
+    """Start values of body i's joint into d.q and d.v, from q_start and v_start. False: E has no length."""
     kind = m.body_joint[i]
 
     if is_one_axis(kind):
@@ -217,7 +217,7 @@ def articulate(m, d, i, moment, force):
 
 @inlined
 def accelerate(m, d, i, alpha, rdd):
-    """v' of body i's joint into d.x_rate; its (alpha, rdd) from those it has with the joint's v' = 0."""
+    """v' of body i's joint into d.v_rate; its (alpha, rdd) from those it has with the joint's v' = 0."""
     kind = m.body_joint[i]
 
     # a given acceleration is in the bias already

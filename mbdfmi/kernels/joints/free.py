@@ -13,11 +13,11 @@ from . import passing, spherical, told, virtual
 def move(m, d, i, F, w_parent, arm):
     """Orientation, angular velocity and bias of body i. Returns (arm, relative velocity, bias) of its origin."""
     q = m.body_q[i]
-    v = m.n_q + m.body_v[i]
-    rd_rel = al.mat_vec(F, al.vec_at(d.x, v))
-    A = al.mat_mat(F, al.E_matrix(al.E_at(d.x, q + 3)))
-    w_rel = al.mat_vec(A, al.vec_at(d.x, v + 3))
-    arm = al.add(arm, al.mat_vec(F, al.vec_at(d.x, q)))
+    v = m.body_v[i]
+    rd_rel = al.mat_vec(F, al.vec_at(d.v, v))
+    A = al.mat_mat(F, al.E_matrix(al.E_at(d.q, q + 3)))
+    w_rel = al.mat_vec(A, al.vec_at(d.v, v + 3))
+    arm = al.add(arm, al.mat_vec(F, al.vec_at(d.q, q)))
     al.set_mat3(d.joint_axes, i, F)
     al.set_mat3(d.A, i, A)
     al.set_vec3(d.w, i, al.add(w_parent, w_rel))
@@ -39,14 +39,14 @@ def subspace(m, d, i, k):
 def position_rates(m, d, i):
     """r' = v, E' = L^T(E) w / 2."""
     q = m.body_q[i]
-    v = m.n_q + m.body_v[i]
-    al.set_vec_at(d.x_rate, q, al.vec_at(d.x, v))
-    al.set_E_at(d.x_rate, q + 3, al.E_rate(al.E_at(d.x, q + 3), al.vec_at(d.x, v + 3)))
+    v = m.body_v[i]
+    al.set_vec_at(d.q_rate, q, al.vec_at(d.v, v))
+    al.set_E_at(d.q_rate, q + 3, al.E_rate(al.E_at(d.q, q + 3), al.vec_at(d.v, v + 3)))
 
 
 @inlined
 def start(m, d, i):
-    """Start values into d.x. Returns False where E has no length."""
+    """Start values into d.q and d.v. Returns False where E has no length."""
     return told.start(m, d, i)
 
 
@@ -55,7 +55,7 @@ def retract(m, d, i, factor):
     """Position and E moved along d.change, as if it were v for a time `factor`."""
     q = m.body_q[i]
     v = m.body_v[i]
-    al.set_vec_at(d.x, q, al.axpy(factor, al.vec_at(d.change, v), al.vec_at(d.x, q)))
+    al.set_vec_at(d.q, q, al.axpy(factor, al.vec_at(d.change, v), al.vec_at(d.q, q)))
     spherical.turn_E(d, q + 3, v + 3, factor)
 
 
@@ -69,7 +69,7 @@ def weigh(m, d, i, rotation):
 @inlined
 def relative_E(m, d, i):
     """Euler parameters of the body relative to F; continuous in time."""
-    return al.E_at(d.x, m.body_q[i] + 3)
+    return al.E_at(d.q, m.body_q[i] + 3)
 
 
 @inlined
@@ -134,14 +134,14 @@ def articulate(m, d, i, I, H, M, moment, force):
 
 @inlined
 def accelerate(m, d, i, alpha, rdd):
-    """v' into d.x_rate; (alpha, rdd) of the body from those with the joint at rest."""
-    v = m.n_q + m.body_v[i]
+    """v' into d.v_rate; (alpha, rdd) of the body from those with the joint at rest."""
+    v = m.body_v[i]
     N = al.mat3(d.N, i)
     force = al.vec3(d.U_r, i)
     turned = al.sym_solve(al.sym3(d.D, i), al.sub(al.vec3(d.U_w, i), al.mat_vec(N, force)))
     moved = al.sub(al.sym_solve(al.sym3(d.D_M, i), force), al.matT_vec(N, turned))
-    al.set_vec_at(d.x_rate, v, al.matT_vec(al.mat3(d.joint_axes, i), al.sub(moved, rdd)))
-    al.set_vec_at(d.x_rate, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
+    al.set_vec_at(d.v_rate, v, al.matT_vec(al.mat3(d.joint_axes, i), al.sub(moved, rdd)))
+    al.set_vec_at(d.v_rate, v + 3, al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
     return turned, moved
 
 

@@ -28,7 +28,7 @@ def rotated_about_z(A, angle):
 def move_revolute(m, d, i, F, w_parent, arm):
     """Orientation, angular velocity and bias of body i; F is turned already. Returns (arm, relative velocity, bias) of its origin."""
     axis = al.column(F, 2)
-    w_rel = al.scale(d.x[m.n_q + m.body_v[i]], axis)
+    w_rel = al.scale(d.v[m.body_v[i]], axis)
     al.set_vec3(d.axis, i, axis)
     al.set_mat3(d.A, i, F)
     al.set_vec3(d.w, i, al.add(w_parent, w_rel))
@@ -41,8 +41,8 @@ def move_revolute(m, d, i, F, w_parent, arm):
 def move_prismatic(m, d, i, F, w_parent, arm):
     """The same along the axis."""
     axis = al.column(F, 2)
-    rd_rel = al.scale(d.x[m.n_q + m.body_v[i]], axis)
-    arm = al.axpy(d.x[m.body_q[i]], axis, arm)
+    rd_rel = al.scale(d.v[m.body_v[i]], axis)
+    arm = al.axpy(d.q[m.body_q[i]], axis, arm)
     al.set_vec3(d.axis, i, axis)
     al.set_mat3(d.A, i, F)
     al.set_vec3(d.w, i, w_parent)
@@ -61,21 +61,21 @@ def subspace(m, d, i, k):
 @inlined
 def position_rates(m, d, i):
     """q' = v."""
-    d.x_rate[m.body_q[i]] = d.x[m.n_q + m.body_v[i]]
+    d.q_rate[m.body_q[i]] = d.v[m.body_v[i]]
 
 
 @inlined
 def start(m, d, i):
-    """Start values into d.x. Returns True: all will do."""
-    d.x[m.body_q[i]] = m.q_start[m.body_q[i]]
-    d.x[m.n_q + m.body_v[i]] = m.v_start[m.body_v[i]]
+    """Start values into d.q and d.v. Returns True: all will do."""
+    d.q[m.body_q[i]] = m.q_start[m.body_q[i]]
+    d.v[m.body_v[i]] = m.v_start[m.body_v[i]]
     return True
 
 
 @inlined
 def retract(m, d, i, factor):
     """q moved along d.change, as if it were v for a time `factor`."""
-    d.x[m.body_q[i]] += factor * d.change[m.body_v[i]]
+    d.q[m.body_q[i]] += factor * d.change[m.body_v[i]]
 
 
 @inlined
@@ -91,7 +91,7 @@ def relative_E(m, d, i):
     if m.body_joint[i] == PRISMATIC:
         return al.E_IDENTITY
 
-    return (0.0, 0.0, math.sin(0.5 * d.x[m.body_q[i]]), math.cos(0.5 * d.x[m.body_q[i]]))
+    return (0.0, 0.0, math.sin(0.5 * d.q[m.body_q[i]]), math.cos(0.5 * d.q[m.body_q[i]]))
 
 
 @inlined
@@ -178,10 +178,10 @@ def give_way(m, d, i, rate, alpha, rdd):
 
 @inlined
 def accelerate(m, d, i, alpha, rdd):
-    """v' = (u - U^T a) / D into d.x_rate; (alpha, rdd) of the body from those with the joint at rest."""
+    """v' = (u - U^T a) / D into d.v_rate; (alpha, rdd) of the body from those with the joint at rest."""
     carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
     rate = (d.effort[3 * i] - carried) * (1.0 / d.D[6 * i])  # the division does not wait for the parent
-    d.x_rate[m.n_q + m.body_v[i]] = rate
+    d.v_rate[m.body_v[i]] = rate
     return give_way(m, d, i, rate, alpha, rdd)
 
 

@@ -15,8 +15,8 @@ from . import passing, told, virtual
 @inlined
 def move(m, d, i, F, w_parent, arm):
     """Orientation, angular velocity and bias of body i. Returns (arm, relative velocity, bias) of its origin."""
-    A = al.mat_mat(F, al.E_matrix(al.E_at(d.x, m.body_q[i])))
-    w_rel = al.mat_vec(A, al.vec_at(d.x, m.n_q + m.body_v[i]))
+    A = al.mat_mat(F, al.E_matrix(al.E_at(d.q, m.body_q[i])))
+    w_rel = al.mat_vec(A, al.vec_at(d.v, m.body_v[i]))
     al.set_mat3(d.A, i, A)
     al.set_vec3(d.w, i, al.add(w_parent, w_rel))
     al.set_vec3(d.bias_w, i, al.cross(w_parent, w_rel))
@@ -34,12 +34,12 @@ def subspace(m, d, i, k):
 def position_rates(m, d, i):
     """E' = L^T(E) w / 2."""
     q = m.body_q[i]
-    al.set_E_at(d.x_rate, q, al.E_rate(al.E_at(d.x, q), al.vec_at(d.x, m.n_q + m.body_v[i])))
+    al.set_E_at(d.q_rate, q, al.E_rate(al.E_at(d.q, q), al.vec_at(d.v, m.body_v[i])))
 
 
 @inlined
 def start(m, d, i):
-    """Start values into d.x. Returns False where E has no length."""
+    """Start values into d.q and d.v. Returns False where E has no length."""
     return told.start(m, d, i)
 
 
@@ -51,11 +51,11 @@ def retract(m, d, i, factor):
 
 @inlined
 def turn_E(d, q, v, factor):
-    """E at d.x[q:] moved along its rate by d.change[v:], and made of unit length."""
-    E = al.E_at(d.x, q)
+    """E at d.q[q:] moved along its rate by d.change[v:], and made of unit length."""
+    E = al.E_at(d.q, q)
     rate = al.E_rate(E, al.scale(factor, al.vec_at(d.change, v)))
     E = (E[0] + rate[0], E[1] + rate[1], E[2] + rate[2], E[3] + rate[3])
-    al.set_E_at(d.x, q, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
+    al.set_E_at(d.q, q, al.E_scale(1.0 / math.sqrt(al.E_dot(E, E)), E))
 
 
 @inlined
@@ -68,7 +68,7 @@ def weigh(m, d, i, rotation):
 @inlined
 def relative_E(m, d, i):
     """Euler parameters of the body relative to F; continuous in time."""
-    return al.E_at(d.x, m.body_q[i])
+    return al.E_at(d.q, m.body_q[i])
 
 
 @inlined
@@ -117,10 +117,10 @@ def lacks_inertia(d, i):
 
 @inlined
 def accelerate(m, d, i, alpha, rdd):
-    """v' into d.x_rate; (alpha, rdd) of the body from those with the joint at rest."""
+    """v' into d.v_rate; (alpha, rdd) of the body from those with the joint at rest."""
     left = al.sub(al.vec3(d.effort, i), al.mat_vec(al.mat3(d.H_a, i), rdd))
     turned = al.sym_solve(al.sym3(d.D, i), left)
-    al.set_vec_at(d.x_rate, m.n_q + m.body_v[i], al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
+    al.set_vec_at(d.v_rate, m.body_v[i], al.matT_vec(al.mat3(d.A, i), al.sub(turned, alpha)))
     return turned, rdd
 
 

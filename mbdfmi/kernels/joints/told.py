@@ -38,20 +38,20 @@ def told_start(m, i):
 
 @inlined
 def told_motion(m, d, i):
-    """The same of the motion in d.x."""
+    """The same of the motion in d.q and d.v."""
     kind = m.body_joint[i]
     q = m.body_q[i]
-    v = m.n_q + m.body_v[i]
+    v = m.body_v[i]
     k = E_offset(kind)
-    E = al.E_at(d.x, q + k)
+    E = al.E_at(d.q, q + k)
     A = al.E_matrix(E)
-    w_own = al.vec_at(d.x, v + k)
+    w_own = al.vec_at(d.v, v + k)
     r = al.ZERO3
     rd = al.ZERO3
 
     if kind == FREE:
-        r = al.vec_at(d.x, q)
-        rd = al.vec_at(d.x, v)
+        r = al.vec_at(d.q, q)
+        rd = al.vec_at(d.v, v)
 
     if m.body_reversed[i] == 0:
         return r, E, rd, w_own if m.body_spins[i] == 1 else al.mat_vec(A, w_own)
@@ -64,14 +64,14 @@ def told_motion(m, d, i):
 
 @inlined
 def take_motion(m, d, i, r, E, rd, w):
-    """A spherical or free joint's motion as told (see told_start) into d.x.
+    """A spherical or free joint's motion as told (see told_start) into d.q and d.v.
 
     Where the first marker is on the body, not on the parent, the tree needs the inverse motion:
     r -> -A^T r, r' -> A^T (w x r - r'), w -> -A^T w.
     """
     kind = m.body_joint[i]
     q = m.body_q[i]
-    v = m.n_q + m.body_v[i]
+    v = m.body_v[i]
     k = E_offset(kind)
     A = al.E_matrix(E)
     spins = m.body_spins[i] == 1
@@ -86,16 +86,16 @@ def take_motion(m, d, i, r, E, rd, w):
         E = al.E_conjugate(E)
 
     if kind == FREE:
-        al.set_vec_at(d.x, q, r)
-        al.set_vec_at(d.x, v, rd)
+        al.set_vec_at(d.q, q, r)
+        al.set_vec_at(d.v, v, rd)
 
-    al.set_E_at(d.x, q + k, E)
-    al.set_vec_at(d.x, v + k, w_own)
+    al.set_E_at(d.q, q + k, E)
+    al.set_vec_at(d.v, v + k, w_own)
 
 
 @inlined
 def start(m, d, i):
-    """Start values of body i's joint into d.x, from q_start and v_start. False: E has no length."""
+    """Start values of body i's joint into d.q and d.v, from q_start and v_start. False: E has no length."""
     E = al.E_at(m.q_start, m.body_q[i] + E_offset(m.body_joint[i]))
 
     if not al.E_dot(E, E) > 0.0:

@@ -27,15 +27,15 @@ def unwrapped(angle, near):
 
 @inlined
 def turn(m, t):
-    """Where angle t of those outside the tree stands in x."""
-    return m.n_q + m.n_v + m.n_s + t
+    """Where angle t of those outside the tree stands in z."""
+    return m.n_s + t
 
 
 @inlined
 def value(m, d, k):
     """Coordinate k (rad or m)."""
     if m.coordinate_kind[k] == IN_TREE:
-        return d.x[m.body_q[m.coordinate_body[k]]]
+        return d.q[m.body_q[m.coordinate_body[k]]]
 
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
@@ -44,14 +44,14 @@ def value(m, d, k):
         return markers.relative_position(m, d, a, b)[2]
 
     A = markers.relative_axes(m, d, a, b)
-    return unwrapped(math.atan2(A[1][0], A[0][0]), d.x[turn(m, m.coordinate_turn[k])])
+    return unwrapped(math.atan2(A[1][0], A[0][0]), d.z[turn(m, m.coordinate_turn[k])])
 
 
 @inlined
 def rate(m, d, k):
     """Rate of coordinate k (rad/s or m/s)."""
     if m.coordinate_kind[k] == IN_TREE:
-        return d.x[m.n_q + m.body_v[m.coordinate_body[k]]]
+        return d.v[m.body_v[m.coordinate_body[k]]]
 
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
@@ -66,7 +66,7 @@ def rate(m, d, k):
 def acceleration(m, d, k):
     """Second rate of coordinate k (rad/s2 or m/s2); needs the accelerations."""
     if m.coordinate_kind[k] == IN_TREE:
-        return d.x_rate[m.n_q + m.body_v[m.coordinate_body[k]]]
+        return d.v_rate[m.body_v[m.coordinate_body[k]]]
 
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
@@ -144,13 +144,13 @@ def add_effort(m, d, k, effort):
 
 @inlined
 def turn_rates(m, d):
-    """Rates of the angles outside the tree into d.x_rate; needs kinematics."""
+    """Rates of the angles outside the tree into d.z_rate; needs kinematics."""
     for t in range(m.n_turn):
-        d.x_rate[turn(m, t)] = rate(m, d, m.turn_coordinate[t])
+        d.z_rate[turn(m, t)] = rate(m, d, m.turn_coordinate[t])
 
 
 @inlined
 def read_turns(m, d):
-    """The angles outside the tree as they are, on the turn closest to that in d.x; needs kinematics."""
+    """The angles outside the tree as they are, on the turn closest to that in d.z; needs kinematics."""
     for t in range(m.n_turn):
-        d.x[turn(m, t)] = value(m, d, m.turn_coordinate[t])
+        d.z[turn(m, t)] = value(m, d, m.turn_coordinate[t])

@@ -204,20 +204,20 @@ def prescribe(m, d):
             continue
 
         q = m.body_q[i]
-        v = m.n_q + m.body_v[i]
+        v = m.body_v[i]
         d.held[i] = 1.0
 
         if m.drive_kind[k] < GROUND_ACCELERATION:
             position, rate, acceleration = target(m, d, k)
-            d.x[q] = position
-            d.x[v] = rate
-            d.x_rate[v] = acceleration
+            d.q[q] = position
+            d.v[v] = rate
+            d.v_rate[v] = acceleration
         else:
             r, rd, rdd, E, w, alpha = ground_motion(m, d, k)
-            al.set_vec_at(d.x, q, r)
-            al.set_E_at(d.x, q + 3, E)
-            al.set_vec_at(d.x, v, rd)
+            al.set_vec_at(d.q, q, r)
+            al.set_E_at(d.q, q + 3, E)
+            al.set_vec_at(d.v, v, rd)
             A = al.E_matrix(E)
-            al.set_vec_at(d.x, v + 3, al.matT_vec(A, w))
-            al.set_vec_at(d.x_rate, v, rdd)
-            al.set_vec_at(d.x_rate, v + 3, al.matT_vec(A, alpha))
+            al.set_vec_at(d.v, v + 3, al.matT_vec(A, w))
+            al.set_vec_at(d.v_rate, v, rdd)
+            al.set_vec_at(d.v_rate, v + 3, al.matT_vec(A, alpha))

@@ -15,7 +15,7 @@ from ..views import DATA, MODEL
 
 @apart(void(MODEL, DATA))
 def kinematics(m, d):
-    """Poses, velocities and biases of all bodies from d.x."""
+    """Poses, velocities and biases of all bodies from d.q and d.v."""
     al.set_vec3(d.r, 0, al.ZERO3)
     al.set_vec3(d.rd, 0, al.ZERO3)
     al.set_vec3(d.w, 0, al.ZERO3)
@@ -40,7 +40,7 @@ def carried(m, d, i):
 
 @kernel
 def accelerations(m, d):
-    """alpha and rdd of all bodies from the v' in d.x_rate; needs kinematics."""
+    """alpha and rdd of all bodies from the v' in d.v_rate; needs kinematics."""
     al.set_vec3(d.alpha, 0, al.ZERO3)
     al.set_vec3(d.rdd, 0, al.ZERO3)
 
@@ -50,7 +50,7 @@ def accelerations(m, d):
         # a given acceleration is in the bias already
         for k in range(joints.n_v(m.body_joint[i]) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
-            rate = d.x_rate[m.n_q + m.body_v[i] + k]
+            rate = d.v_rate[m.body_v[i] + k]
             alpha = al.axpy(rate, S_w, alpha)
             rdd = al.axpy(rate, S_r, rdd)
 

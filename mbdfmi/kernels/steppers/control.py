@@ -12,6 +12,7 @@ from ..dynamics.projection import project, restore_x
 from ..dynamics.rates import is_finite, set_time
 from ..end_frames import touching
 from ..language import inlined
+from ..motion import coordinates
 from ..status import NOT_FINITE, OK, STEP_TOO_SMALL, status
 
 SAFETY = 0.9
@@ -35,14 +36,15 @@ def weigh(m, d):
     for k in range(m.n_x):
         d.x_scale[k] = m.absolute_tolerance[0] + m.tolerance[0] * abs(d.x[k])
 
+    z = m.n_q + m.n_v
     rotation = m.absolute_tolerance[0] + m.tolerance[0]
 
-    for k in range(m.n_x - m.n_turn, m.n_x):
-        d.x_scale[k] = rotation
+    for t in range(m.n_turn):
+        d.x_scale[z + coordinates.turn(m, t)] = rotation
 
     for k in range(m.n_contact):
         if touching.is_sphere(m, k):
-            d.x_scale[touching.parameter(m, k)] = touching.LONGITUDE_ALLOWED
+            d.x_scale[z + m.contact_z[k]] = touching.LONGITUDE_ALLOWED
 
     for i in range(1, m.n_body):
         joints.weigh(m, d, i, rotation)

@@ -186,7 +186,7 @@ def keep_last_rate(m, d, pair):
 
         if k >= 0:
             k += m.body_q[i]
-            rate = al.E_rate(al.E_at(d.x, k), al.vec_at(d.x, m.n_q + m.body_v[i] + joints.E_offset(m.body_joint[i])))
+            rate = al.E_rate(al.E_at(d.q, k), al.vec_at(d.v, m.body_v[i] + joints.E_offset(m.body_joint[i])))
             al.set_E_at(d.stage, k, rate)
 
 
