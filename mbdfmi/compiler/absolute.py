@@ -52,7 +52,7 @@ def _check_inertia(model, told):
 def _angles(model, m, d):
     """(joint, which of its coordinates) -> angle (rad), turns included."""
     angles = {
-        (node.joint, node.coordinate): float(d.x[m.body_q[i]])
+        (node.joint, node.coordinate): float(d.q[m.body_q[i]])
         for i, node in enumerate(model.tree.nodes)
         if node.kind == "revolute"
     }
