@@ -5,7 +5,7 @@ import time
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.compiler.topology import axes_with_z
+from mbdfmi.compiler.frames import axes_with_z
 
 from .contests import Cannot, Setting
 from .peers import library_of

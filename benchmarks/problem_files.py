@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.compiler.topology import axes_with_z
+from mbdfmi.compiler.frames import axes_with_z
 
 REFERENCE = Path(__file__).parent / "reference"
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.compiler.topology import axes_with_z
+from mbdfmi.compiler.frames import axes_with_z
 
 from .problem_files import pose_of
 from .problems import MOTION_SIZE

@@ -5,7 +5,7 @@ from scenes import random_orientation, rotation
 from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
-from mbdfmi.compiler.topology import IDENTITY, compose, inverse
+from mbdfmi.compiler.frames import IDENTITY, compose, inverse
 from mbdfmi.scene.fields import plane_axes
 
 # freedoms that a joint leaves

@@ -4,22 +4,18 @@ and whether the motion leaves just the freedoms that it may.
 
 import numpy as np
 
-from ..compiler.joints import COORDINATES
+from ..compiler.joint_kinds import POSES, kind_of
 from ..compiler.topology import spanning_tree
 from ..kernels import joints
 from ..kernels.math import algebra
 from ..scene.errors import listed
 from ..scene.starts import PrismaticStart, RevoluteStart
-from .mechanism import DRIVEABLE, ZERO, Mechanism
-from .motion import POSES, product_of
+from ..vocabulary import coordinate_names
+from .mechanism import ZERO, Mechanism
+from .motion import product_of
 
 # outputs of a driver or an input, which a joint told has no longer
 DROPPED = ("effort", "driver_effort", "input_effort")
-
-POSE_OUTPUTS = {
-    "spherical": ["euler_parameters", "omega", "alpha"],
-    "free": ["position", "euler_parameters", "velocity", "omega"],
-}
 
 
 def undriven(scene, names):
@@ -28,8 +24,7 @@ def undriven(scene, names):
 
     for name in names:
         joint = scene.joint[name]
-        wanted = POSE_OUTPUTS.get(joint.kind) or [q for row in COORDINATES[joint.kind] for q in row[:2]]
-        wanted = [*dict.fromkeys(wanted), *(["acceleration"] if joint.kind in DRIVEABLE else [])]
+        wanted = _motion_outputs(joint)
         rest = [output for output in joint.output if output not in (*DROPPED, *wanted)]
         own = {"driver": None, "input": [], "output": [*wanted, *rest]}
         own = {key: value for key, value in own.items() if key in type(joint).model_fields}
@@ -42,11 +37,23 @@ def undriven(scene, names):
     return scene.model_copy(update={"joint": scene.joint | changed, "solver": solver})
 
 
+def _motion_outputs(joint):
+    """Names of outputs that tell a joint's motion."""
+    names = coordinate_names(joint.coordinates)
+
+    if kind_of(joint).is_one_axis:
+        names.append("acceleration")
+    elif joint.kind == "spherical":
+        names.append("alpha")
+
+    return names
+
+
 def started(scene, names):
     """The scene with those joints that close its loops started where they are found when it is
     assembled: they will be in the tree, and others close the loops.
     """
-    cuts = set(spanning_tree(scene).cuts) & {name for name in names if scene.joint[name].kind in DRIVEABLE}
+    cuts = set(spanning_tree(scene).cuts) & {name for name in names if kind_of(scene.joint[name]).is_one_axis}
 
     if not cuts:
         return scene
@@ -67,12 +74,14 @@ class DrivenPart:
     """A joint of the tree, or some coordinates of it, and their motion.
 
     nodes : one for each coordinate, in the joint's order; of a spherical or free joint its one.
+    first : which of the joint's coordinates the first of these is.
     course : (n, size, 3) values, rates, second rates.
     """
 
     def __init__(self, model, nodes, course):
         tree, self.kind = model.tree, model.tree.nodes[nodes[0]].kind
         self.nodes = nodes
+        self.first = tree.nodes[nodes[0]].coordinate
         self.reversed = tree.nodes[nodes[0]].reversed
         self.course = course
 
@@ -197,7 +206,7 @@ def check_freedoms(mechanism, told, choose, hybrid):
         some = np.vstack([place.motions[rows(names)], *(row[None] for row in more)])
         return int(np.sum(np.linalg.svd(some, compute_uv=False) > 10 * ZERO)) if some.size else 0
 
-    names = [name for name in told if kinds[name].kind in DRIVEABLE or not choose]
+    names = [name for name in told if kind_of(kinds[name]).is_one_axis or not choose]
 
     for name in told:
         if name not in names and taken([*names, name]) == taken(names) + len(rows([name])):

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.interpolate import BPoly
 
+from ..compiler.joint_kinds import kind_of, scalars
 from ..compiler.variables import dotted, subscripts
 from ..kernels import layout, outputs
 from ..kernels.dynamics import projection, rates
@@ -25,9 +26,7 @@ from ..scene import SceneData, variable_name
 from ..scene.errors import listed
 from .driven import check_freedoms, driven_parts, started, undriven
 from .mechanism import Mechanism
-from .motion import POSES, courses_of, given_motion, times_of
-
-EFFORTS = {"rad": ("torque", "N.m"), "m": ("force", "N")}
+from .motion import courses_of, given_motion, times_of
 
 # how far joints go at once (rad, or parts of the scene's length) from where the scene starts to
 # where the motion does
@@ -270,21 +269,17 @@ class _Run:
 
 def _effort_names(name, joint, parts):
     """[(variable, unit)] of what holds a joint, in the order of its parts' efforts."""
-    if joint.kind in POSES:
-        what = ["force", "moment"] if joint.kind == "free" else ["torque"]
-        return [
-            (dotted(name, w) + end, "N" if w == "force" else "N.m") for w in what for end in subscripts((3,))
-        ]
+    if kind_of(joint).is_pose:
+        efforts = [coordinate.effort for coordinate in joint.coordinates]
+    else:
+        along = [scalar.coordinate.effort for scalar in scalars(joint)]
+        efforts = [along[part.first] for part in parts]
 
-    names = []
-
-    for part in parts:
-        effort, unit = EFFORTS["rad" if part.kind == "revolute" else "m"]
-        n = len(part.nodes)
-        effort += "s" if joint.kind == "universal" else ""
-        names += [(dotted(name, effort) + end, unit) for end in (subscripts((n,)) if n > 1 else [""])]
-
-    return names
+    return [
+        (dotted(name, effort.name) + ending, effort.unit)
+        for effort in efforts
+        for ending in subscripts(effort.shape)
+    ]
 
 
 def _signals(at, inputs, times):

@@ -12,8 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
+from ..compiler.frames import axes_with_z
+from ..compiler.joint_kinds import kind_of
 from ..compiler.model import compile_scene
-from ..compiler.topology import axes_with_z
 from ..kernels import joints
 from ..kernels.dynamics import projection, rows
 from ..kernels.motion import coordinates, kinematics
@@ -26,8 +27,6 @@ ZERO = 1e-6
 
 # how far (rad, or parts of the scene's length) the places near the start are
 NEARBY = (0.1, 0.23)
-
-DRIVEABLE = ("revolute", "prismatic")
 
 
 @dataclass
@@ -221,12 +220,12 @@ class Mechanism:
     def driveable(self, place) -> list[str]:
         """Joints any one of which could be driven: it takes a freedom away."""
         joints_ = self.scene.joint.items()
-        free = [name for name, joint in joints_ if joint.kind in DRIVEABLE and not joint.driver]
+        free = [name for name, joint in joints_ if kind_of(joint).is_one_axis and not joint.driver]
         return [name for name in free if np.linalg.norm(self.rates(name, place) @ place.motions) > 10 * ZERO]
 
     def rates(self, name, place):
         """(n,) rate of a joint's coordinate by the free coordinates, without units."""
-        length = 1.0 if self.scene.joint[name].kind == "revolute" else self.length
+        length = 1.0 if self._turns(name) else self.length
         return self._rates_by_unit(name, place) * self.units / length
 
     def _rates_by_unit(self, name, place):
@@ -235,7 +234,7 @@ class Mechanism:
         z = (place.A[a] @ frame_a[1])[:, 2]
         w = place.twist[:, b, :3] - place.twist[:, a, :3]
 
-        if self.scene.joint[name].kind == "revolute":
+        if self._turns(name):
             return w @ z
 
         point = place.r[b] + place.A[b] @ frame_b[0]
@@ -255,13 +254,17 @@ class Mechanism:
         (a, (r_a, A_a)), (b, (r_b, A_b)) = self._sides(name)
         turned_a, turned_b = place.A[a] @ A_a, place.A[b] @ A_b
 
-        if self.scene.joint[name].kind == "revolute":
+        if self._turns(name):
             A = turned_a.T @ turned_b
             given = self.scene.joint[name].start_position()[0]
             return float(coordinates.unwrapped(np.arctan2(A[1, 0], A[0, 0]), given))
 
         span = place.r[b] + place.A[b] @ r_b - place.r[a] - place.A[a] @ r_a
         return float(turned_a[:, 2] @ span)
+
+    def _turns(self, name):
+        """Whether a joint's one coordinate is an angle."""
+        return kind_of(self.scene.joint[name]).motions == ("revolute",)
 
     def _sides(self, name):
         """((node, pose), (node, pose)) of a joint's two markers, z along its axis."""

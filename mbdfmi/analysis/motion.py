@@ -5,17 +5,15 @@ second rates of their coordinates at given times.
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from ..compiler.joints import COORDINATES
+from ..compiler.joint_kinds import kind_of
 from ..compiler.variables import dotted, hint
 from ..kernels.math import algebra
 from ..run.results import Results
 from ..scene.errors import listed
-from .mechanism import DRIVEABLE
+from ..vocabulary import MEASURES, POSITION, ROTATION_OUTPUTS, VELOCITY
 
-# of joints whose position is more than a list of numbers: quantities of a motion and their sizes
-ORIENTATION = {"euler_parameters": 4, "zyx": 3, "zyx_rate": 3, "omega": 3, "alpha": 3}
-
-POSES = {"spherical": ORIENTATION, "free": {"position": 3, "velocity": 3, "acceleration": 3} | ORIENTATION}
+PLACE = (POSITION, VELOCITY, MEASURES["acceleration"])
+"""What tells the place of a free joint; ROTATION_OUTPUTS what tells an orientation."""
 
 
 def times_of(motion, times):
@@ -40,15 +38,27 @@ def quantities_of(joint):
     """
     found: dict[str, tuple[list[int], int | None]] = {}
 
-    for k, (position, speed, _) in enumerate(COORDINATES.get(joint.kind, ())):
-        of = found.setdefault(position, ([], 0))[0]
-        of.append(k)
-        found[speed] = (of, 1)
+    if kind_of(joint).is_pose:
+        place = PLACE if POSITION in _positions(joint) else ()
+        return {told.name: (list(range(told.width)), None) for told in (*place, *ROTATION_OUTPUTS.values())}
 
-    if joint.kind in DRIVEABLE:
+    first = 0
+
+    for coordinate in joint.coordinates:
+        of = list(range(first, first + coordinate.position.width))
+        found[coordinate.position.name] = of, 0
+        found[coordinate.rate.name] = of, 1
+        first += len(of)
+
+    if kind_of(joint).is_one_axis:
         found["acceleration"] = ([0], 2)
 
-    return found or {name: (list(range(size)), None) for name, size in POSES.get(joint.kind, {}).items()}
+    return found
+
+
+def _positions(joint):
+    """What a joint's positions are called."""
+    return [coordinate.position for coordinate in joint.coordinates]
 
 
 def given_motion(scene, motion):
@@ -84,9 +94,9 @@ def given_motion(scene, motion):
 
 def _is_located(joint, values):
     """Whether values tell a joint's position."""
-    if joint.kind in POSES:
+    if kind_of(joint).is_pose:
         turned = "euler_parameters" in values or "zyx" in values
-        return turned and (joint.kind == "spherical" or "position" in values)
+        return turned and (POSITION not in _positions(joint) or "position" in values)
 
     return any(order == 0 and quantity in values for quantity, (_, order) in quantities_of(joint).items())
 
@@ -101,10 +111,10 @@ def courses_of(name, joint, given, times):
 
     quantities = quantities_of(joint)
 
-    if joint.kind in POSES:
+    if kind_of(joint).is_pose:
         parts = [_turning(name, given, times)]
 
-        if joint.kind == "free":
+        if POSITION in _positions(joint):
             parts.insert(0, _course(name, given, times, ("position", "velocity", "acceleration"), 3))
 
         return [(None, np.concatenate(parts, axis=1))]

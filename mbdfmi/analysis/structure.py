@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..compiler.topology import FREEDOMS
+from ..compiler.joint_kinds import kind_of
 from ..kernels.dynamics import rows
 from .mechanism import ZERO, Mechanism
 
@@ -78,7 +78,7 @@ def structure(scene) -> Structure:
         rank=generic.rank,
         freedom_at_start=len(joined.free) - here.rank,
         driven=[name for name, joint in scene.joint.items() if joint.driver],
-        closing=[name for name in model.tree.cuts if scene.joint[name].kind in FREEDOMS],
+        closing=[name for name in model.tree.cuts if kind_of(scene.joint[name]).in_trees],
         driveable=joined.driveable(generic),
         redundant=[_equation(joined, row, here) for row in joined.redundant],
         undetermined=_undetermined(parted, parted.generic()),

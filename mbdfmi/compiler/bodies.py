@@ -5,65 +5,69 @@ import numpy as np
 from ..kernels import outputs
 from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
+from ..vocabulary import (
+    GROUND_OUTPUTS,
+    MARKER_INPUTS,
+    MARKER_OUTPUTS,
+    MEASURES,
+    SCENE_OUTPUTS,
+    SOLVER_OUTPUTS,
+)
+from .builder import Source
 from .variables import dotted
 
-MARKER_OUTPUTS = {
-    # name: (kind, unit, what a description calls it)
-    "position": (outputs.POSITION, "m", "position in the inertial frame"),
-    "velocity": (outputs.VELOCITY, "m/s", "velocity in the inertial frame"),
-    "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters in the inertial frame, scalar last"),
-    "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll in the inertial frame"),
-    "zyx_rate": (outputs.ZYX_RATE, "rad/s", "rates of yaw, pitch, roll in the inertial frame"),
-    "omega": (outputs.OMEGA, "rad/s", "angular velocity in the inertial frame"),
-    "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration in the inertial frame"),
-    "alpha": (outputs.ALPHA, "rad/s2", "angular acceleration in the inertial frame"),
-    "velocity_body": (outputs.VELOCITY_BODY, "m/s", "velocity in its own axes"),
-    "omega_body": (outputs.OMEGA_BODY, "rad/s", "angular velocity in its own axes"),
-    "acceleration_body": (outputs.LINEAR_ACCELERATION_BODY, "m/s2", "acceleration in its own axes"),
-    "alpha_body": (outputs.ALPHA_BODY, "rad/s2", "angular acceleration in its own axes"),
+# words of the scene -> kinds of kernels/outputs.py
+MARKER_KINDS = {
+    "position": outputs.POSITION,
+    "velocity": outputs.VELOCITY,
+    "euler_parameters": outputs.EULER_PARAMETERS,
+    "zyx": outputs.ZYX,
+    "zyx_rate": outputs.ZYX_RATE,
+    "omega": outputs.OMEGA,
+    "acceleration": outputs.LINEAR_ACCELERATION,
+    "alpha": outputs.ALPHA,
+    "velocity_body": outputs.VELOCITY_BODY,
+    "omega_body": outputs.OMEGA_BODY,
+    "acceleration_body": outputs.LINEAR_ACCELERATION_BODY,
+    "alpha_body": outputs.ALPHA_BODY,
 }
-MEASURES = {
-    "distance": (outputs.DISTANCE, "m", "distance"),
-    "distance_rate": (outputs.DISTANCE_RATE, "m/s", "rate of the distance"),
-    "angle": (outputs.Z_ANGLE, "rad", "angle between the z axes"),
-    "position": (outputs.POSITION, "m", "position"),
-    "velocity": (outputs.VELOCITY, "m/s", "velocity"),
-    "acceleration": (outputs.LINEAR_ACCELERATION, "m/s2", "acceleration"),
-    "euler_parameters": (outputs.EULER_PARAMETERS, None, "Euler parameters, scalar last,"),
-    "zyx": (outputs.ZYX, "rad", "yaw, pitch, roll"),
-    "zyx_rate": (outputs.ZYX_RATE, "rad/s", "rates of yaw, pitch, roll"),
-    "omega": (outputs.OMEGA, "rad/s", "angular velocity"),
+MEASURE_KINDS = {
+    "distance": outputs.DISTANCE,
+    "distance_rate": outputs.DISTANCE_RATE,
+    "angle": outputs.Z_ANGLE,
+    "position": outputs.POSITION,
+    "velocity": outputs.VELOCITY,
+    "acceleration": outputs.LINEAR_ACCELERATION,
+    "euler_parameters": outputs.EULER_PARAMETERS,
+    "zyx": outputs.ZYX,
+    "zyx_rate": outputs.ZYX_RATE,
+    "omega": outputs.OMEGA,
 }
-GROUND_OUTPUTS = {
-    "reaction_force": (outputs.GROUND_FORCE, "N", "force"),
-    "reaction_moment": (outputs.GROUND_MOMENT, "N.m", "moment about its origin"),
+GROUND_KINDS = {
+    "reaction_force": outputs.GROUND_FORCE,
+    "reaction_moment": outputs.GROUND_MOMENT,
 }
-SCENE_OUTPUTS = {
-    "kinetic_energy": (outputs.KINETIC_ENERGY, "J", "kinetic energy"),
-    "potential_energy": (outputs.POTENTIAL_ENERGY, "J", "potential energy of weight, springs, stops and preloads"),
-    "total_energy": (outputs.TOTAL_ENERGY, "J", "kinetic and potential energy"),
-    "gravity_energy": (outputs.GRAVITY_ENERGY, "J", "potential energy of weight"),
-    "spring_energy": (outputs.SPRING_ENERGY, "J", "potential energy of springs, stops and preloads"),
-    "linear_momentum": (outputs.LINEAR_MOMENTUM, "kg.m/s", "linear momentum, that of added mass included"),
-    "angular_momentum": (
-        outputs.ANGULAR_MOMENTUM,
-        "kg.m2/s",
-        "angular momentum about the inertial origin, that of added mass included",
-    ),
-    "center_of_mass": (outputs.CENTER_OF_MASS, "m", "centre of mass of all bodies"),
-    "input_power": (outputs.INPUTS_POWER, "W", "power of all inputs that are efforts, forces or moments"),
-    "load_power": (outputs.LOADS_POWER, "W", "power of all loads"),
-    "driver_power": (outputs.DRIVES_POWER, "W", "power of all drivers and of what moves the ground"),
-    "dissipated_power": (outputs.DISSIPATED_POWER, "W", "power lost in dampers, friction, stops and damping"),
-    "constraint_gap": (outputs.CONSTRAINT_GAP, None, "largest error of the constraints' positions (m, rad)"),
-    "constraint_rate": (outputs.CONSTRAINT_RATE, None, "largest error of the constraints' velocities (m/s, rad/s)"),
+SCENE_KINDS = {
+    "kinetic_energy": outputs.KINETIC_ENERGY,
+    "potential_energy": outputs.POTENTIAL_ENERGY,
+    "total_energy": outputs.TOTAL_ENERGY,
+    "gravity_energy": outputs.GRAVITY_ENERGY,
+    "spring_energy": outputs.SPRING_ENERGY,
+    "linear_momentum": outputs.LINEAR_MOMENTUM,
+    "angular_momentum": outputs.ANGULAR_MOMENTUM,
+    "center_of_mass": outputs.CENTER_OF_MASS,
+    "input_power": outputs.INPUTS_POWER,
+    "load_power": outputs.LOADS_POWER,
+    "driver_power": outputs.DRIVES_POWER,
+    "dissipated_power": outputs.DISSIPATED_POWER,
+    "constraint_gap": outputs.CONSTRAINT_GAP,
+    "constraint_rate": outputs.CONSTRAINT_RATE,
 }
-
-SOLVER_OUTPUTS = {
-    "steps": (outputs.STEPS, "accepted inner steps since the start"),
-    "rejected_steps": (outputs.REJECTED_STEPS, "rejected inner steps since the start"),
-    "evaluations": (outputs.EVALUATIONS, "evaluations of the accelerations since the start"),
-    "estimated_error": (outputs.ESTIMATED_ERROR, "estimated local errors of the inner steps since the start, summed; relative"),
+SOLVER_KINDS = {
+    "steps": outputs.STEPS,
+    "rejected_steps": outputs.REJECTED_STEPS,
+    "evaluations": outputs.EVALUATIONS,
+    "estimated_error": outputs.ESTIMATED_ERROR,
 }
 
 
@@ -87,8 +91,8 @@ def add_settings(builder):
         builder.add_parameters("gravity", "gravity", 0, builder.scene.gravity, "m/s2", "gravity in the inertial frame")
 
     for name in solver.output:
-        kind, about = SOLVER_OUTPUTS[name]
-        builder.add_outputs(f"solver.{name}", kind, None, about, ())
+        quantity = SOLVER_OUTPUTS[name]
+        builder.add_outputs(f"solver.{name}", Source(SOLVER_KINDS[name]), quantity.unit, quantity.text, ())
 
     if solver.fixed_step:
         builder.add_parameters("solver.step", "step", 0, solver.step, "s", "largest inner step")
@@ -191,11 +195,11 @@ def _add_marker(builder, path, spec):
     node = builder.node_of(name)
     first = {"force": -1, "moment": -1}
 
-    for quantity in spec.input:
-        unit = "N" if quantity == "force" else "N.m"
+    for quantity in (MARKER_INPUTS[given] for given in spec.input):
         axes = "its own" if spec.input_axes == "body" else "inertial"
-        about = f"{quantity} on {name}, in {axes} axes"
-        first[quantity] = builder.add_inputs(dotted(*path, quantity), (3,), unit, about, [node])
+        about = f"{quantity.text} on {name}, in {axes} axes"
+        variable = dotted(*path, quantity.name)
+        first[quantity.name] = builder.add_inputs(variable, quantity.shape, quantity.unit, about, [node])
 
     if spec.input:
         builder.tables["n_wrench_input"].add(
@@ -207,8 +211,9 @@ def _add_marker(builder, path, spec):
         )
 
     for output in spec.output:
-        kind, unit, about = MARKER_OUTPUTS[output]
-        builder.add_outputs(dotted(*path, output), kind, unit, f"{about} of {name}", [node], 0, index)
+        quantity = MARKER_OUTPUTS[output]
+        source = Source(MARKER_KINDS[output], 0, index)
+        builder.add_outputs(dotted(*path, output), source, quantity.unit, f"{quantity.text} of {name}", [node])
 
 
 def add_measures(builder):
@@ -218,9 +223,9 @@ def add_measures(builder):
         nodes = [builder.node_of(end) for end in measure.between]
 
         for output in measure.output:
-            kind, unit, about = MEASURES[output]
-            about = f"{about} of {name}: {measure.between[1]} in {measure.between[0]}"
-            builder.add_outputs(dotted(name, output), kind, unit, about, nodes, a, b)
+            quantity = MEASURES[output]
+            about = f"{quantity.text} of {name}: {measure.between[1]} in {measure.between[0]}"
+            builder.add_outputs(dotted(name, output), Source(MEASURE_KINDS[output], a, b), quantity.unit, about, nodes)
 
 
 def add_scene_outputs(builder):
@@ -230,25 +235,26 @@ def add_scene_outputs(builder):
             _add_multipliers(builder)
             continue
 
-        kind, unit, about = SCENE_OUTPUTS[output]
+        quantity = SCENE_OUTPUTS[output]
         nodes = range(len(builder.nodes))
         fed_by = ()
 
         if output == "driver_power":
             nodes = [*builder.drive_of, *(i for joint in builder.driven_cuts for i in builder.nodes_of(joint))]
         elif output == "input_power":
-            fed_by = [k for k, (_, _, moves) in enumerate(builder.inputs) if not moves]
+            fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves]
 
-        builder.add_outputs(output, kind, unit, about, nodes, fed_by=fed_by)
+        builder.add_outputs(output, Source(SCENE_KINDS[output]), quantity.unit, quantity.text, nodes, fed_by)
 
 
 def add_ground_outputs(builder):
     """What the ground bears."""
     for output in builder.scene.ground.output:
-        kind, unit, about = GROUND_OUTPUTS[output]
-        about = f"{about} with which all joints and forces act on the ground, in its axes"
+        quantity = GROUND_OUTPUTS[output]
+        about = f"{quantity.text} with which all joints and forces act on the ground, in its axes"
         nodes, fed_by = _on_ground(builder)
-        builder.add_outputs(dotted("ground", output), kind, unit, about, nodes, builder.tree.home["ground"][0], fed_by=fed_by)
+        source = Source(GROUND_KINDS[output], builder.tree.home["ground"][0])
+        builder.add_outputs(dotted("ground", output), source, quantity.unit, about, nodes, fed_by)
 
 
 def _on_ground(builder):
@@ -287,6 +293,6 @@ def _add_multipliers(builder):
     for row in range(builder.tables["n_row"].length):
         c, kind = int(columns["row_constraint"][row][0]), int(columns["row_kind"][row][0])
         unit = {rows.DOT: "N.m", rows.COUPLING: None}.get(kind, "N")
-        about = f"multiplier of a row of {builder.constraint_names[c]}"
-        nodes = builder.constraint_nodes[c]
-        builder.add_outputs(f"multipliers[{row + 1}]", outputs.MULTIPLIER, unit, about, nodes, row)
+        about = f"{SCENE_OUTPUTS['multipliers'].text} of {builder.constraint_names[c]}"
+        source = Source(outputs.MULTIPLIER, row)
+        builder.add_outputs(f"multipliers[{row + 1}]", source, unit, about, builder.constraint_nodes[c])

@@ -2,6 +2,8 @@
 
 import itertools
 import warnings
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -12,8 +14,9 @@ from ..kernels.math import tables
 from ..kernels.motion import coordinates
 from ..scene import Problem, SceneData
 from .interpolation import curve
+from .joint_kinds import kind_of, led_too
 from .start import coupled_angles
-from .topology import Tree, axes_with_z, chain
+from .topology import Tree
 from .variables import Variable, subscripts
 
 
@@ -31,6 +34,56 @@ class Table:
 
         self.length += 1
         return self.length - 1
+
+
+class Source(NamedTuple):
+    """Where the numbers of an output come from: its kind in kernels/outputs.py, and what of (see there)."""
+
+    kind: int
+    a: int = 0
+    b: int = 0
+
+
+@dataclass(frozen=True)
+class Input:
+    """A scalar input in the making: its fields as a Variable, the nodes that it acts on, whether it prescribes a motion."""
+
+    fields: tuple
+    nodes: set
+    moves: bool
+
+
+@dataclass(frozen=True)
+class Output:
+    """A scalar output in the making: its fields as a Variable, the nodes that it is about, its kind in kernels/outputs.py,
+    positions in u of inputs that are part of it.
+    """
+
+    fields: tuple
+    nodes: set
+    kind: int
+    fed_by: tuple
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Equations of one joint, drive or coupling, before they stand in the tables.
+
+    markers : four, -1 where there is none: two of the first coordinate or of the joint, two of the second coordinate.
+    nodes : that it acts on.
+    rows : (kind in kernels/dynamics/rows.py, two indices of what it is about).
+    value, offset : numbers that the rows keep; of a coupling the factors of its coordinates. drive : -1 without.
+    at_start : the numbers are those at the start, once all else is closed.
+    """
+
+    name: str
+    markers: tuple[int, ...]
+    nodes: list[int]
+    rows: list[tuple]
+    value: tuple[float, float]
+    offset: float = 0.0
+    drive: int = -1
+    at_start: bool = False
 
 
 class Builder:
@@ -129,7 +182,7 @@ class Builder:
         return self.add_marker((joint, side, turn.tobytes()), *self.tree.joint_side(self.scene, joint, side, turn))
 
     def coordinate(self, joint, k=0):
-        """Index of a joint's scalar coordinate k, one of its simple motions (see topology.chain)."""
+        """Index of a joint's scalar coordinate k, one of its simple motions (see joint_kinds.py)."""
         key = (joint, k)
 
         if key not in self.coordinates:
@@ -148,16 +201,8 @@ class Builder:
             )
 
         spec = self.scene.joint[joint]
-        kind, axis = chain(spec)[k]
-        turn = axes_with_z(axis)
-        sides = (0, 1)
-
-        # a universal joint's angles are those of one side's axis about the other's
-        if spec.kind == "universal":
-            other = spec.axes[1 - k]
-            z = axis if k == 0 else -axis
-            turn = np.column_stack([other, np.cross(z, other), z])
-            sides = (0, 1) if k == 0 else (1, 0)
+        kind = kind_of(spec).motions[k]
+        turn, sides = kind_of(spec).frame(spec, k)
 
         return dict(
             coordinate_kind=coordinates.ANGLE if kind == "revolute" else coordinates.SLIDE,
@@ -169,10 +214,8 @@ class Builder:
 
     def _add_turn(self, joint, k):
         """Index of an angle outside the tree among these; it starts nearest to where the joint's start values say."""
-        start = self.scene.joint[joint].start_position()
-
-        # a screw's position follows from its angle
-        angle = self.start_angles.get((joint, k), start[min(k, len(start) - 1)])
+        spec = self.scene.joint[joint]
+        angle = self.start_angles.get((joint, k), led_too(spec, spec.start_position())[k])
         return self.tables["n_turn"].add(turn_coordinate=self.tables["n_coordinate"].length, turn_start=angle)
 
     def table(self, polynomial, beyond):
@@ -220,20 +263,20 @@ class Builder:
         endings = subscripts(shape)
 
         for k, (ending, value) in enumerate(zip(endings, np.broadcast_to(start, len(endings)))):
-            variable = (name + ending, "input", "continuous", float(value), unit, description, first + k)
-            self.inputs.append((variable, set(nodes) - {0}, moves))
+            fields = (name + ending, "input", "continuous", float(value), unit, description, first + k)
+            self.inputs.append(Input(fields, set(nodes) - {0}, moves))
 
         return first
 
-    def add_outputs(self, name, kind, unit, description, nodes, a=0, b=0, fed_by=()):
+    def add_outputs(self, name, source, unit, description, nodes, fed_by=()):
         """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it."""
         first = len(self.outputs)
-        width = outputs.WIDTH.get(kind)
-        self.tables["n_output"].add(output_kind=kind, output_a=a, output_b=b, output_y=first)
+        width = outputs.WIDTH.get(source.kind)
+        self.tables["n_output"].add(output_kind=source.kind, output_a=source.a, output_b=source.b, output_y=first)
 
         for k, ending in enumerate(subscripts((width,) if width else ())):
-            variable = (name + ending, "output", "continuous", None, unit, description, first + k)
-            self.outputs.append((variable, set(nodes) - {0}, kind, fed_by))
+            fields = (name + ending, "output", "continuous", None, unit, description, first + k)
+            self.outputs.append(Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by)))
 
     def add_parameters(self, name, array, row, values, unit, description, variability="tunable", offset=0):
         """Parameters that stand from element `offset` of row `row` of an array of `reals` on.
@@ -287,7 +330,7 @@ class Builder:
 
     def list_variables(self, offset):
         """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
-        inputs = [Variable(*fields) for fields, _, _ in self.inputs]
+        inputs = [Variable(*given.fields) for given in self.inputs]
         first = len(inputs) + len(self.outputs)
         guess = ", a guess: joints in loops and couplings lead it elsewhere"
         parameters = [
@@ -298,19 +341,22 @@ class Builder:
         reach = self._islands(self.constraint_nodes + self.force_nodes)
         results = []
 
-        for fields, nodes, kind, fed_by in self.outputs:
+        for output in self.outputs:
             # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it;
             # what moves an island changes the forces between it and others
-            accelerates = kind in outputs.ACCELERATES
+            accelerates = output.kind in outputs.ACCELERATES
             depends = tuple(
                 k
-                for k, (_, at, moves) in enumerate(self.inputs)
-                if k in fed_by
-                or ((moves or accelerates) and _meet(reach if moves and accelerates else island, nodes, at))
+                for k, given in enumerate(self.inputs)
+                if k in output.fed_by
+                or (
+                    (given.moves or accelerates)
+                    and _share(reach if given.moves and accelerates else island, output.nodes, given.nodes)
+                )
             )
 
             initial = (*depends, *range(first, first + len(parameters)))
-            results.append(Variable(*fields, depends=depends, initial_depends=initial))
+            results.append(Variable(*output.fields, depends=depends, initial_depends=initial))
 
         return [*inputs, *results, *parameters]
 
@@ -337,6 +383,6 @@ class Builder:
         return int(self.tables["n_marker"].columns["marker_body"][k][0])
 
 
-def _meet(island, nodes, others):
+def _share(island, nodes, others):
     """Whether some of two sets of nodes are on one island."""
     return not {island[i] for i in nodes}.isdisjoint(island[i] for i in others)

@@ -1,46 +1,20 @@
 """Joints that close loops, rolling and couplings as rows, in an order that keeps their factor sparse."""
 
-import numpy as np
 
 from ..kernels.dynamics import rows
-from ..kernels.end_frames import touching
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
+from .builder import Constraint
 from .drives import coupling_constraints, drive_constraints
+from .joint_kinds import kind_of
 from .start import start_pose
-from .topology import axes_with_z
-
-ALIGNED = [(rows.DOT, 0, 2), (rows.DOT, 1, 2)]  # z of both markers parallel
-LOCKED = [(rows.DOT, 0, 1), (rows.DOT, 1, 2), (rows.DOT, 2, 0)]  # all axes parallel
-TOGETHER = [(rows.POINT, axis, 0) for axis in range(3)]  # origins together
-
-# rows (kind, axis of the first marker, axis of the second) of a joint that closes a loop
-ROWS = {
-    "fixed": TOGETHER + LOCKED,
-    "revolute": TOGETHER + ALIGNED,
-    "prismatic": TOGETHER[:2] + LOCKED,
-    "spherical": TOGETHER,
-    "free": [],
-    "cylindrical": TOGETHER[:2] + ALIGNED,
-    "screw": TOGETHER[:2] + ALIGNED,
-    "universal": [*TOGETHER, (rows.DOT, 2, 2)],
-    "planar": [TOGETHER[2], *ALIGNED],
-    "translation": LOCKED,
-    "point_on_plane": [TOGETHER[2]],
-    "point_on_line": TOGETHER[:2],
-    "distance": [(rows.DISTANCE, 0, 0)],
-    # what is about positions comes first: where rows repeat each other, those about velocities alone go
-    "rolling_sphere": [(rows.ROLL_SPHERE, axis, 0) for axis in (2, 0, 1)],
-    "rolling_disk": [(rows.ROLL_DISK, axis, 0) for axis in (2, 0, 1)],
-    "knife_edge": [(rows.KNIFE, 0, 2)],
-}
 
 
 def add_constraints(builder):
     """All constraints of the scene, and the arrays that their factor needs."""
     constraints = [_joint_constraint(builder, name) for name in builder.tree.cuts]
     constraints += drive_constraints(builder) + coupling_constraints(builder)
-    constraints = [c for c in constraints if c["rows"]]
+    constraints = [c for c in constraints if c.rows]
 
     if not constraints:
         return
@@ -50,10 +24,10 @@ def add_constraints(builder):
     path = [every if builder.embeds else _path(builder, c) for c in constraints]
     order, meets = _elimination(_neighbours(builder, path))
     constraints = [constraints[k] for k in order]
-    builder.constraint_names = [c["name"] for c in constraints]
-    builder.constraint_nodes = [c["nodes"] for c in constraints]
+    builder.constraint_names = [c.name for c in constraints]
+    builder.constraint_nodes = [c.nodes for c in constraints]
     builder.joint_constraints = {
-        c["name"]: k for k, c in enumerate(constraints) if c["rows"][0][0] != rows.COUPLING
+        c.name: k for k, c in enumerate(constraints) if c.rows[0][0] != rows.COUPLING
     }
     _add_tables(builder, constraints, [path[k] for k in order], meets)
     builder.loop_hints = [_hint(builder, c) for c in constraints]
@@ -61,9 +35,9 @@ def add_constraints(builder):
     builder.add_parameters("solver.closing_tolerance", "closing_tolerance", 0, builder.scene.solver.closing_tolerance, None, about)
 
     for c in constraints:
-        of_velocity = all(kind == rows.KNIFE for kind, _, _ in c["rows"])
+        of_velocity = all(kind == rows.KNIFE for kind, _, _ in c.rows)
         nodes = _involved(builder, c)
-        builder.restricted[0].update(set() if of_velocity or c.get("at_start") else nodes)
+        builder.restricted[0].update(set() if of_velocity or c.at_start else nodes)
         builder.restricted[1].update(nodes)
 
 
@@ -71,11 +45,11 @@ def _involved(builder, constraint):
     """Nodes whose joints a constraint is about: those between its ends, and joints that it couples."""
     nodes = set()
     columns = builder.tables["n_coordinate"].columns
-    sides = [constraint["markers"][:2], constraint["markers"][2:]]
-    coupled = constraint["rows"][0][0] == rows.COUPLING
+    sides = [constraint.markers[:2], constraint.markers[2:]]
+    coupled = constraint.rows[0][0] == rows.COUPLING
 
     for side, markers in enumerate(sides):
-        k = constraint["rows"][0][1 + side] if coupled else -1
+        k = constraint.rows[0][1 + side] if coupled else -1
 
         if k >= 0 and columns["coordinate_body"][k][0] > 0:
             nodes.add(int(columns["coordinate_body"][k][0]))
@@ -104,60 +78,36 @@ def _hint(builder, constraint):
 def _joint_constraint(builder, name):
     """A joint outside the tree as a constraint."""
     joint = builder.scene.joint[name]
-    value = 0.0
+    kind = kind_of(joint)
+    value = kind.value(joint)
+    at_start = value is None
 
-    if joint.kind in ("rolling_sphere", "rolling_disk"):
-        value = joint.radius
-    elif joint.kind == "distance":
+    if at_start:
         first, second = (start_pose(builder, end)[0] for end in joint.between)
-        value = joint.length or norm(second - first) or 1.0
+        value = norm(second - first) or 1.0
 
-    return dict(
+    # of an end frame on a curve or surface: which it is
+    contact = builder.contacts.get(name, 0)
+    markers = [builder.joint_marker(name, side, turn) for side, turn in enumerate(kind.turns(joint))]
+
+    return Constraint(
         name=name,
-        markers=[builder.joint_marker(name, side, turn) for side, turn in enumerate(_turns(joint))] + [-1, -1],
+        markers=(*markers, -1, -1),
         nodes=builder.nodes_of(name),
-        rows=_rows(builder, name, joint),
-        at_start=joint.kind == "distance" and joint.length is None,
+        rows=[(row, i, contact if row == rows.CONTACT else j) for row, i, j in kind.rows],
         value=(value, 0.0),
-        offset=0.0,
-        drive=-1,
+        at_start=at_start,
     )
-
-
-def _rows(builder, name, joint):
-    """Rows of a joint; of an end frame on a curve two, of one on a surface and of two curves one."""
-    if name in builder.contacts:
-        count = 2 if joint.kind == "point_on_curve" else 1
-        return [(rows.CONTACT, i, builder.contacts[name]) for i in range(count)]
-
-    return ROWS[joint.kind]
-
-
-def _turns(joint):
-    """Rotation matrices that bring the z axes of a joint's two markers to the axes that its rows are about.
-
-    Curves and surfaces, and planes to roll on, stay in their markers' own axes.
-    """
-    if joint.kind in touching.KINDS:
-        return [np.eye(3)] * 2
-
-    if joint.kind in ("rolling_sphere", "rolling_disk"):
-        return [np.eye(3), axes_with_z(joint.axis)]
-
-    if joint.kind == "universal":
-        return [axes_with_z(axis) for axis in joint.axes]
-
-    return [axes_with_z(joint.axis)] * 2
 
 
 def _path(builder, constraint):
     """Nodes between a constraint and the ground, ascending; none where it is between parts of one rigid body."""
     path = set()
 
-    if len({_rigid_part(builder, i) for i in constraint["nodes"]}) == 1 and constraint["rows"][0][0] != rows.COUPLING:
+    if len({_rigid_part(builder, i) for i in constraint.nodes}) == 1 and constraint.rows[0][0] != rows.COUPLING:
         return []
 
-    for i in constraint["nodes"]:
+    for i in constraint.nodes:
         while i > 0:
             path.add(i)
             i = builder.nodes[i].parent
@@ -218,7 +168,7 @@ def _neighbours(builder, paths):
 
 def _add_tables(builder, constraints, paths, meets):
     n_v = {i: N_V[KINDS[node.kind]] for i, node in enumerate(builder.nodes) if i}
-    size = [len(constraint["rows"]) for constraint in constraints]
+    size = [len(constraint.rows) for constraint in constraints]
     reach = block = row = 0
 
     for c, (constraint, path) in enumerate(zip(constraints, paths)):
@@ -230,12 +180,12 @@ def _add_tables(builder, constraints, paths, meets):
             block += size[c] * size[e]
 
         builder.tables["n_constraint"].add(
-            constraint_from=constraint["markers"][0],
-            constraint_to=constraint["markers"][1],
-            constraint_from_2=constraint["markers"][2],
-            constraint_to_2=constraint["markers"][3],
+            constraint_from=constraint.markers[0],
+            constraint_to=constraint.markers[1],
+            constraint_from_2=constraint.markers[2],
+            constraint_to_2=constraint.markers[3],
             constraint_row=row,
-            constraint_rows=len(constraint["rows"]),
+            constraint_rows=len(constraint.rows),
             constraint_path=builder.tables["n_path"].length,
             constraint_paths=len(path),
             constraint_reach=reach,
@@ -252,18 +202,18 @@ def _add_tables(builder, constraints, paths, meets):
             at += n_v[i]
 
         # how many products of axes there are tells which axes they keep parallel
-        parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint["rows"]) - 1)
+        parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint.rows) - 1)
 
-        for kind, i, j in constraint["rows"]:
+        for kind, i, j in constraint.rows:
             builder.tables["n_row"].add(
                 row_constraint=c,
                 row_kind=kind,
                 row_i=i,
                 row_j=j,
-                row_value=constraint["value"],
-                row_offset=constraint["offset"],
-                row_drive=constraint["drive"],
-                row_at_start=constraint.get("at_start", False),
+                row_value=constraint.value,
+                row_offset=constraint.offset,
+                row_drive=constraint.drive,
+                row_at_start=constraint.at_start,
                 row_parallel=parallel if kind == rows.DOT else 0,
             )
             reach += width

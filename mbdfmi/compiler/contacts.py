@@ -10,6 +10,8 @@ from ..kernels.end_frames import curves, surfaces, touching
 from ..kernels.math import tables
 from ..scene import Problem, SceneError
 from ..vectors import dot
+from ..vocabulary import PARAMETERS
+from .builder import Source
 from .variables import dotted
 
 # samples of a curve's tangent, and directions that may be the one it is never parallel to
@@ -195,10 +197,8 @@ def add_contact_outputs(builder, name, joint, output):
             unit = f"{unit}/s" if unit else "1/s"
 
         ending = f"[{k + 1}]" if len(units) > 1 else ""
-        about = f"{'parameter' if output == 's' else 'rate of the parameter'} of {name}"
-        builder.add_outputs(
-            dotted(name, output) + ending, kind, unit, about, nodes, builder.contacts[name], k
-        )
+        about = f"{PARAMETERS[output].text} of {name}"
+        builder.add_outputs(dotted(name, output) + ending, Source(kind, builder.contacts[name], k), unit, about, nodes)
 
 
 def parameter_units(builder, joint):

@@ -5,19 +5,10 @@ import numpy as np
 from ..kernels import outputs
 from ..kernels.dynamics import rows
 from ..kernels.motion import courses, drives
-from .joints import COORDINATES
+from ..vocabulary import COUPLING_OUTPUTS, GROUND_INPUTS
+from .builder import Constraint, Source
+from .joint_kinds import kind_of, units_along
 from .variables import dotted
-
-# of the ground: (size, unit, what it is)
-GROUND_INPUTS = {
-    "position": (3, "m", "position"),
-    "velocity": (3, "m/s", "velocity"),
-    "acceleration": (3, "m/s2", "acceleration"),
-    "euler_parameters": (4, None, "Euler parameters"),
-    "zyx": (3, "rad", "yaw, pitch and roll"),
-    "omega": (3, "rad/s", "angular velocity"),
-    "alpha": (3, "rad/s2", "angular acceleration"),
-}
 
 GROUND_PLACE = ("position", "velocity", "acceleration")
 GROUND_TURN = ("omega", "alpha")
@@ -34,7 +25,6 @@ TURNS = {
 def add_drives(builder):
     """Drives of the ground and of joints. Those of joints in the tree hold their nodes; the others wait in
     builder.driven_cuts: joint -> drive, to become constraints."""
-    builder.driven_cuts = {}
     motion = builder.scene.ground.motion
 
     if motion is not None:
@@ -75,7 +65,8 @@ def _belonging(names, quantity, missing):
 
 def _add_joint_drive(builder, name, joint, node):
     driver = joint.driver
-    position, speed, unit = COORDINATES[joint.kind][0]
+    ((position, rate, _),) = joint.coordinates
+    unit = position.unit
 
     if driver.kind == "constant_speed":
         start = joint.start_position()[0]
@@ -105,7 +96,7 @@ def _add_joint_drive(builder, name, joint, node):
         drive = _add(builder, drives.RAMP, node, value)
 
         for k, end in enumerate(("begin", "end")):
-            for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position, unit)):
+            for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position.name, unit)):
                 about = f"{quantity} of {name} at the {'beginning' if k == 0 else 'end'} of its ramp"
                 variable = dotted(name, "driver", f"{quantity}_{end}")
                 builder.add_parameters(variable, "drive_value", drive, value[offset], of, about, "fixed", offset)
@@ -121,7 +112,7 @@ def _add_joint_drive(builder, name, joint, node):
         return _add(builder, drives.SPEED_TABLE, node, (joint.start_position()[0],), at=table)
 
     told = len(driver.commands())
-    quantities = (position, speed, "acceleration")
+    quantities = (position.name, rate.name, "acceleration")
     names = {quantity: dotted(name, f"{quantity}_command") for quantity in quantities[:told]}
     starts = (joint.start_position, joint.start_velocity, lambda: [0.0])
     inputs = [-1, -1, -1]
@@ -186,14 +177,15 @@ def _add_ground_inputs(builder, told, node):
     first = {}
 
     for quantity in told:
-        size, unit, what = GROUND_INPUTS[quantity]
+        told_of = GROUND_INPUTS[quantity]
         group = [q for q in (of_place if quantity in of_place else of_turn) if q in told]
         chain = GROUND_PLACE if quantity in of_place else GROUND_TURN
-        missing = [GROUND_INPUTS[q][2] for q in chain if q not in told]
+        missing = [GROUND_INPUTS[q].text for q in chain if q not in told]
         names = [dotted("ground", q) for q in group]
-        about = f"{what} of the ground in the inertial frame" + _belonging(names, dotted("ground", quantity), missing)
-        start = (0.0, 0.0, 0.0, 1.0) if size == 4 else 0.0
-        first[quantity] = builder.add_inputs(dotted("ground", quantity), (size,), unit, about, [node], moves=True, start=start)
+        variable = dotted("ground", quantity)
+        about = f"{told_of.text} of the ground in the inertial frame" + _belonging(names, variable, missing)
+        start = (0.0, 0.0, 0.0, 1.0) if quantity == "euler_parameters" else 0.0
+        first[quantity] = builder.add_inputs(variable, told_of.shape, told_of.unit, about, [node], moves=True, start=start)
 
     def channels(quantities, n):
         return [[first[q] + k if q in first else -1 for q in quantities] for k in range(n)]
@@ -204,7 +196,7 @@ def _add_ground_inputs(builder, told, node):
 
     if orientation:
         turn = (TURNS[orientation, "omega" in first], first[orientation])
-        lone = channels((orientation, None, None), GROUND_INPUTS[orientation][0])
+        lone = channels((orientation, None, None), GROUND_INPUTS[orientation].width)
         with_omega = channels((None, *GROUND_TURN), 3)
         found += [(u, False) for u in (with_omega if "omega" in first else lone)]
         builder.counts["n_attitude"] = int("omega" in first)
@@ -215,31 +207,29 @@ def _add_ground_inputs(builder, told, node):
 def drive_constraints(builder):
     """Constraints of driven joints that close loops: one row on the joint's coordinate each."""
     return [
-        _coordinate_row(builder, name, [builder.coordinate(name), -1], (1.0, 0.0), 0.0, drive)
+        _coordinate_constraint(builder, name, [builder.coordinate(name), -1], (1.0, 0.0), drive=drive)
         for name, drive in builder.driven_cuts.items()
     ]
 
 
 def coupling_constraints(builder):
-    """Couplings, and the pitch of screws."""
+    """Couplings, and coordinates that follow others in their own joint, as those of screws."""
     constraints = []
 
     for name, coupling in builder.scene.coupling.items():
         first, second = coupling.between
         pair = [builder.coordinate(first), builder.coordinate(second)]
         at_start = coupling.offset is None
-        row = _coordinate_row(builder, name, pair, (coupling.ratio, -1.0), coupling.offset or 0.0)
-        constraints.append(row | {"at_start": at_start})
+        constraints.append(
+            _coordinate_constraint(builder, name, pair, (coupling.ratio, -1.0), coupling.offset or 0.0, at_start=at_start)
+        )
 
     for name, joint in builder.scene.joint.items():
-        if joint.kind == "screw":
-            pair = [builder.coordinate(name, k) for k in (0, 1)]
-            constraints.append(_coordinate_row(builder, name, pair, (1.0, -joint.pitch / (2 * np.pi)), 0.0))
+        for k, (other, ratio) in kind_of(joint).led(joint).items():
+            pair = [builder.coordinate(name, k), builder.coordinate(name, other)]
+            constraints.append(_coordinate_constraint(builder, name, pair, (1.0, -ratio)))
 
     return constraints
-
-
-COUPLING_UNITS = {"revolute": "N.m", "prismatic": "N"}
 
 
 def add_coupling_outputs(builder):
@@ -252,15 +242,15 @@ def add_coupling_outputs(builder):
             row = int(columns["constraint_row"][c][0])
 
             for side, joint in enumerate(coupling.between):
-                unit = COUPLING_UNITS[builder.scene.joint[joint].kind]
-                about = f"effort of {name} on the second marker of {joint}"
+                _, unit = units_along(builder.scene.joint[joint])
+                about = f"{COUPLING_OUTPUTS[output].text} of {name} on the second marker of {joint}"
                 variable = f"{dotted(name, output)}[{side + 1}]"
-                nodes = builder.constraint_nodes[c]
-                builder.add_outputs(variable, outputs.COUPLING_EFFORT, unit, about, nodes, row, side)
+                source = Source(outputs.COUPLING_EFFORT, row, side)
+                builder.add_outputs(variable, source, unit, about, builder.constraint_nodes[c])
 
 
-def _coordinate_row(builder, name, pair, factors, offset, drive=-1):
-    """A constraint of one row on one or two joint coordinates."""
+def _coordinate_constraint(builder, name, pair, factors, offset=0.0, **more):
+    """A constraint of one row on one or two joint coordinates; `more` of it."""
     markers, nodes = [], []
     columns = builder.tables["n_coordinate"].columns
 
@@ -282,12 +272,4 @@ def _coordinate_row(builder, name, pair, factors, offset, drive=-1):
     if markers[2:] == [0, 0]:
         markers[2:] = [-1, -1]
 
-    return dict(
-        name=name,
-        markers=markers,
-        nodes=nodes,
-        rows=[(rows.COUPLING, *pair)],
-        value=factors,
-        offset=offset,
-        drive=drive,
-    )
+    return Constraint(name, tuple(markers), nodes, [(rows.COUPLING, *pair)], factors, offset, **more)

@@ -5,29 +5,32 @@ import numpy as np
 from ..kernels import outputs
 from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
 from ..vectors import norm
+from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_OUTPUTS
+from .builder import Source
 from .elastic import elastic_table
 from .start import start_pose
 from .variables import dotted
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
-STRUT_OUTPUTS = {
-    "length": (outputs.STRUT_LENGTH, "m", "length"),
-    "rate": (outputs.STRUT_RATE, "m/s", "rate of the length"),
-    "force": (outputs.STRUT_FORCE, "N", "tension"),
-    "tension": (outputs.STRUT_FORCE, "N", "tension"),
-    "spring_force": (outputs.STRUT_SPRING, "N", "tension of the spring"),
-    "damper_force": (outputs.STRUT_DAMPER, "N", "tension of the damper"),
-    "input_force": (outputs.STRUT_INPUT, "N", "tension that the input gives"),
-    "power": (outputs.STRUT_POWER, "W", "power on the bodies"),
+# words of the scene -> kinds of kernels/outputs.py
+STRUT_KINDS = {
+    "length": outputs.STRUT_LENGTH,
+    "rate": outputs.STRUT_RATE,
+    "force": outputs.STRUT_FORCE,
+    "tension": outputs.STRUT_FORCE,
+    "spring_force": outputs.STRUT_SPRING,
+    "damper_force": outputs.STRUT_DAMPER,
+    "input_force": outputs.STRUT_INPUT,
+    "power": outputs.STRUT_POWER,
 }
 FED_BY_INPUT = ("tension", "input_force", "power")
-LINEAR_OUTPUTS = {
-    "force": (outputs.LINEAR_FORCE, "N", "force on the second marker, in the first one's axes"),
-    "moment": (outputs.LINEAR_MOMENT, "N.m", "moment on the second marker about its origin, in the first one's axes"),
-    "displacement": (outputs.POSITION, "m", "position of the second marker in the first"),
-    "rotation": (outputs.LINEAR_ROTATION, "rad", "angles rx, ry, rz of the second marker from the first"),
-    "power": (outputs.LINEAR_POWER, "W", "power on the bodies"),
+SIX_BY_SIX_KINDS = {
+    "force": outputs.LINEAR_FORCE,
+    "moment": outputs.LINEAR_MOMENT,
+    "displacement": outputs.POSITION,
+    "rotation": outputs.LINEAR_ROTATION,
+    "power": outputs.LINEAR_POWER,
 }
 
 
@@ -49,8 +52,9 @@ def add_forces(builder):
             nodes = [builder.node_of(force.on)]
 
             for output in force.output:
-                about = f"power of {name} on the bodies"
-                builder.add_outputs(dotted(name, output), outputs.LOAD_POWER, "W", about, nodes, row)
+                quantity = LOAD_OUTPUTS[output]
+                about = f"{quantity.text} of {name} on the bodies"
+                builder.add_outputs(dotted(name, output), Source(outputs.LOAD_POWER, row), quantity.unit, about, nodes)
         else:
             _add_strut(builder, name, force, ends)
 
@@ -104,9 +108,10 @@ def _add_strut(builder, name, force, ends):
         builder.add_parameters(dotted(name, "damping"), "strut_damping", row, damping, "N.s/m", about)
 
     for output in force.output:
-        kind, unit, about = STRUT_OUTPUTS[output]
+        quantity = STRUT_OUTPUTS[output]
         fed_by = [u] if output in FED_BY_INPUT and force.input else []
-        builder.add_outputs(dotted(name, output), kind, unit, f"{about} of {name}", nodes, row, fed_by=fed_by)
+        source = Source(STRUT_KINDS[output], row)
+        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{quantity.text} of {name}", nodes, fed_by)
 
 
 def _add_linear(builder, name, spec, ends, added, preload, axes=FIRST):
@@ -148,9 +153,9 @@ def _add_linear_outputs(builder, name, force, row, first, second):
     nodes = [builder.node_of(end) for end in force.between]
 
     for output in force.output:
-        kind, unit, about = LINEAR_OUTPUTS[output]
-        pair = (first, second) if output == "displacement" else (row,)
-        builder.add_outputs(dotted(name, output), kind, unit, f"{name}: {about}", nodes, *pair)
+        quantity = SIX_BY_SIX_OUTPUTS[output]
+        source = Source(SIX_BY_SIX_KINDS[output], *((first, second) if output == "displacement" else (row,)))
+        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
 
 
 def _add_load(builder, name, spec, marker):

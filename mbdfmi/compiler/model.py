@@ -142,7 +142,7 @@ def _assemble(builder):
         "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
-        "output_needs": outputs.needs([kind for _, _, kind, _ in builder.outputs]),
+        "output_needs": outputs.needs([output.kind for output in builder.outputs]),
         "embeds": int(builder.embeds),
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": integrate.INTEGRATORS[scene.solver.integrator],

@@ -4,11 +4,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..vectors import dot
+from .frames import IDENTITY, compose, inverse
 from .interpolation import curve
-from .topology import IDENTITY, compose, inverse
-
-# kinds of the joints that couplings are between
-COUPLED = ("revolute", "prismatic")
+from .joint_kinds import kind_of
 
 
 def start_pose(builder, end):
@@ -44,7 +42,7 @@ def coupled_angles(scene):
     """Angles (rad) at the start of revolute joints that their drivers tell, or, without a start of their own, couplings:
     (joint, 0) -> rad.
     """
-    held = {name: joint for name, joint in scene.joint.items() if joint.kind in COUPLED and _tells(joint)}
+    held = {name: joint for name, joint in scene.joint.items() if kind_of(joint).is_one_axis and _tells(joint)}
     known = {name: start_position(joint) for name, joint in held.items()}
     links = [(*c.between, c.ratio, c.offset) for c in scene.coupling.values() if c.offset is not None]
 
@@ -56,7 +54,7 @@ def coupled_angles(scene):
                 known[first] = (known[second] - offset) / ratio
 
     told = (name for name in known if name not in held or scene.joint[name].driver)
-    return {(name, 0): known[name] for name in told if scene.joint[name].kind == "revolute"}
+    return {(name, 0): known[name] for name in told if kind_of(scene.joint[name]).motions == ("revolute",)}
 
 
 def _tells(joint):

@@ -1,7 +1,7 @@
 """From a scene's graph of bodies and joints to a tree of nodes.
 
-A node is what fixed joints hold together, those left out whose reactions are asked for. Node 0 is the inertial frame; the ground is in it unless it moves, then it is node 1. Poses are pairs (r, A): origin (3,) in m and
-rotation matrix (3, 3) of a frame, in the frame named.
+A node is what fixed joints hold together, those left out whose reactions are asked for. Node 0 is the inertial frame; the
+ground is in it unless it moves, then it is node 1. Poses are those of frames.py.
 """
 
 from dataclasses import dataclass, field
@@ -10,27 +10,9 @@ import numpy as np
 
 from ..scene import SceneData, SceneError
 from ..scene.errors import Problem
-from ..vectors import dot, norm
-
-IDENTITY = (np.zeros(3), np.eye(3))
-
-
-def compose(outer, inner):
-    """Pose of a frame given in a frame that is itself at `outer`."""
-    return outer[0] + dot(outer[1], inner[0]), dot(outer[1], inner[1])
-
-
-def inverse(pose):
-    """The pose the other way round."""
-    return -dot(pose[1].T, pose[0]), pose[1].T
-
-
-def axes_with_z(axis):
-    """A rotation matrix whose third column is the unit vector `axis` (3,); exact for coordinate axes."""
-    helper = np.eye(3)[np.argmin(np.abs(axis))]
-    x = np.cross(helper, axis)
-    x /= norm(x)
-    return np.column_stack([x, np.cross(axis, x), axis])
+from ..vectors import dot
+from .frames import IDENTITY, axes_with_z, compose, inverse
+from .joint_kinds import ONE_AXIS, chain, kind_of
 
 
 @dataclass
@@ -94,7 +76,7 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
     ends = {
         name: [group_of[end.split(".")[0]] for end in joint.between]
         for name, joint in scene.joint.items()
-        if joint.kind in FREEDOMS and not is_weld(joint)
+        if kind_of(joint).in_trees and not is_weld(joint)
     }
 
     # Kruskal's algorithm on groups
@@ -165,51 +147,18 @@ def is_weld(joint) -> bool:
     return joint.kind == "fixed" and not joint.output
 
 
-# freedoms of the joints that a tree can be made of
-FREEDOMS = {
-    "fixed": 0,
-    "revolute": 1,
-    "prismatic": 1,
-    "screw": 1,
-    "cylindrical": 2,
-    "universal": 2,
-    "planar": 3,
-    "spherical": 3,
-    "translation": 3,
-    "free": 6,
-}
-
-
 def _preference(joint):
     """Sorts joints for the tree: those with given starts, with something of their own, then few freedoms, then the file's order.
 
     A start value can be held where it is a coordinate of the tree's.
     """
-    freedoms = FREEDOMS[joint.kind]
+    freedoms = kind_of(joint).freedoms(joint)
     moves = freedoms > 0
     given = any(written is not None for written in (*joint.given_position(), *joint.given_velocity()))
     own = joint.spring or joint.damper or joint.friction or joint.stop or joint.input
     own = own or any(not name.startswith("reaction") for name in joint.output) or given
     driven = joint.driver is not None
     return (moves and not driven, moves and not given, freedoms == 6 and not own, moves and not own, freedoms)
-
-
-def chain(joint):
-    """A joint as simple motions one after another: list of (kind of the kernels, axis (3,) in the markers' axes)."""
-    if joint.kind in ("cylindrical", "screw"):
-        return [("prismatic", joint.axis), ("revolute", joint.axis)]
-
-    if joint.kind == "universal":
-        return [("revolute", axis) for axis in joint.axes]
-
-    if joint.kind == "planar":
-        x, y, normal = joint.axes.T
-        return [("prismatic", x), ("prismatic", y), ("revolute", normal)]
-
-    if joint.kind == "translation":
-        return [("prismatic", axis) for axis in np.eye(3)]
-
-    return [(joint.kind, joint.axis if joint.kind in ("revolute", "prismatic") else np.array([0.0, 0.0, 1.0]))]
 
 
 def _hang(scene, tree, name, parent, group):
@@ -226,7 +175,7 @@ def _hang(scene, tree, name, parent, group):
 
     for k, kind, axis in motions:
         # only these have an axis; the others' coordinates are in the markers' own axes
-        turn = axes_with_z(axis) if kind in ("revolute", "prismatic") else np.eye(3)
+        turn = axes_with_z(axis) if kind in ONE_AXIS else np.eye(3)
         node = Node(parent, name, kind, k, reverse, joint_frame=(side[0], dot(side[1], turn)))
         tree.nodes.append(node)
         parent = len(tree.nodes) - 1

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from lxml import html
 from lxml.builder import E
 
+from ..vocabulary import METHODS
 from .description import generation_time, tool_version
 
 _STYLE = """
@@ -109,18 +110,6 @@ def _variables(model, causality: str) -> list:
             row += [f"{v.start:.10g}", v.variability]
 
     return _section(heading, head, rows, text)
-
-
-METHODS = {
-    "auto": "Embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is stiff, the "
-    "implicit Radau IIA method of order 5",
-    "rk4": "Classical Runge-Kutta method of order 4",
-    "rk54": "Embedded Runge-Kutta pair of order 5(4)",
-    "rk853": "Embedded Runge-Kutta pair of order 8(5,3)",
-    "radau": "Implicit Radau IIA method of order 5",
-    "ros2": "Linearly implicit method of order 2",
-    "gauss": "Gauss collocation of order 8",
-}
 
 
 def _solver(solver) -> str:

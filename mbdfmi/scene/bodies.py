@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from ..vectors import dot
+from ..vocabulary import GROUND_OUTPUTS, MARKER_INPUTS, MARKER_OUTPUTS
 from .curves import Curve
 from .errors import listed
 from .fields import Array, NotNegative, OneOf, Part, SomeOf, Vector
@@ -14,11 +15,6 @@ from .names import Name
 from .orientation import Oriented, Placed
 from .solids import Solid, composite
 from .surfaces import Surface
-
-MARKER_OUTPUTS = (
-    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha",
-    "velocity_body", "acceleration_body", "omega_body", "alpha_body",
-)
 
 # Published moments are rounded, so a flat plate may miss the triangle inequality by this part.
 ROUNDING = 0.01
@@ -77,7 +73,7 @@ class Observed(Part):
     """
 
     output: SomeOf(*MARKER_OUTPUTS) = []
-    input: SomeOf("force", "moment") = []
+    input: SomeOf(*MARKER_INPUTS) = []
     input_axes: OneOf("inertial", "body") = "inertial"
 
     @model_validator(mode="after")
@@ -169,5 +165,5 @@ class Ground(Part):
     """
 
     motion: Motion | None = None
-    output: SomeOf("reaction_force", "reaction_moment") = []
+    output: SomeOf(*GROUND_OUTPUTS) = []
     marker: dict[Name, GroundMarker] = {}

@@ -4,8 +4,9 @@ from typing import ClassVar
 
 from pydantic import Field
 
+from ..vocabulary import REACTIONS
 from .fields import Axis, Part, Positive, SomeOf
-from .joint_base import REACTIONS, AxisOptions, Constraint, NormalOptions
+from .joint_base import AxisOptions, Constraint, NormalOptions
 
 
 class PointOnPlane(Constraint):

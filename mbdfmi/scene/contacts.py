@@ -4,8 +4,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..vocabulary import PARAMETERS, REACTIONS
 from .fields import Array, Empty, Number, Part, SomeOf
-from .joint_base import REACTIONS, Constraint
+from .joint_base import Constraint
 
 
 class CurveStart(Part):
@@ -42,7 +43,7 @@ class PointOnCurve(Contact):
 
     point_on_curve: Empty
     start: CurveStart = CurveStart()
-    output: SomeOf("s", "s_rate", *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
 class CurveOnCurve(Contact):
@@ -53,7 +54,7 @@ class CurveOnCurve(Contact):
 
     curve_on_curve: Empty
     start: PairStart = PairStart()
-    output: SomeOf("s", "s_rate", *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
 class PointOnSurface(Contact):
@@ -64,7 +65,7 @@ class PointOnSurface(Contact):
 
     point_on_surface: Empty
     start: PairStart = PairStart()
-    output: SomeOf("s", "s_rate", *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
 CONTACTS = (PointOnCurve, CurveOnCurve, PointOnSurface)

@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from ..vocabulary import COUPLING_OUTPUTS
 from .errors import show
 from .fields import NotZero, Number, Part, SomeOf, by_key, in_si
 
@@ -33,7 +34,7 @@ class CouplingBase(Part):
     between: Annotated[tuple[str, str], BeforeValidator(_joints)] = Field(
         description='names of two joints, as in between = ["motor", "wheel"]'
     )
-    output: SomeOf("efforts") = ()
+    output: SomeOf(*COUPLING_OUTPUTS) = ()
 
     @property
     def ratio(self):

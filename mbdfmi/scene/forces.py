@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
+from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_OUTPUTS
 from .ends import BETWEEN, Between, End, stands_still
 from .errors import show
 from .fields import (
@@ -202,9 +203,6 @@ class LoadOptions(Part):
         return np.array(self.moment or (0.0, 0.0, 0.0))
 
 
-LINEAR_OUTPUTS = ("force", "moment", "displacement", "rotation", "power")
-
-
 class SpringDamper(Part):
     """spring_damper = { stiffness, rest_length, table, damping }
 
@@ -219,9 +217,7 @@ class SpringDamper(Part):
     spring_damper: SpringDamperOptions
     between: Between = Field(description=BETWEEN)
     input: SomeOf("force", bare=True) = []
-    output: SomeOf(
-        "length", "rate", "force", "tension", "spring_force", "damper_force", "input_force", "power"
-    ) = []
+    output: SomeOf(*STRUT_OUTPUTS) = []
 
     @model_validator(mode="after")
     def _check_output(self):
@@ -242,7 +238,7 @@ class Bushing(Part):
 
     bushing: BushingOptions
     between: Between = Field(description=BETWEEN)
-    output: SomeOf(*LINEAR_OUTPUTS) = ()
+    output: SomeOf(*SIX_BY_SIX_OUTPUTS) = ()
 
 
 class Load(Part):
@@ -256,7 +252,7 @@ class Load(Part):
 
     load: LoadOptions
     on: End = Field(description='the end it acts on, as in on = "body.marker"')
-    output: SomeOf("power") = ()
+    output: SomeOf(*LOAD_OUTPUTS) = ()
 
     @property
     def between(self):
@@ -277,7 +273,7 @@ class Linear(Part):
 
     linear: LinearOptions
     between: Between = Field(description=BETWEEN)
-    output: SomeOf(*LINEAR_OUTPUTS) = ()
+    output: SomeOf(*SIX_BY_SIX_OUTPUTS) = ()
 
     @model_validator(mode="after")
     def _check_added_mass(self):

@@ -9,9 +9,6 @@ from .ends import BETWEEN, Between
 from .fields import Axis, Part, unit_vector
 from .starts import RATES, Start
 
-# What a joint does to its second marker, in the first one's axes, or (_body) in its own: N, N m.
-REACTIONS = ("reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body")
-
 
 class AxisOptions(Part):
     """axis : of the joint, in both markers' frames alike."""
@@ -34,6 +31,9 @@ class JointBase(Part):
     input : names of the efforts that come from outside.
     output : names of what goes out.
     """
+
+    # what users call its coordinates (vocabulary.Coordinate), in the order of its simple motions
+    coordinates: ClassVar[tuple] = ()
 
     between: Between = Field(description=BETWEEN)
 

@@ -5,6 +5,21 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from ..vocabulary import (
+    ANGLE,
+    ANGLE_BESIDE_SLIDE,
+    EFFORT_OUTPUTS,
+    FREE_ORIENTATION,
+    IN_PLANE,
+    IN_SPACE,
+    ORIENTATION,
+    POSE_OUTPUTS,
+    REACTIONS,
+    ROTATION_OUTPUTS,
+    SLIDE,
+    TWO_ANGLES,
+    coordinate_names,
+)
 from .constraints import CONSTRAINTS
 from .contacts import CONTACTS
 from .efforts import (
@@ -30,7 +45,7 @@ from .fields import (
     plane_axes,
     unit_vector,
 )
-from .joint_base import REACTIONS, AxisOptions, JointBase, NormalOptions, Plain
+from .joint_base import AxisOptions, JointBase, NormalOptions, Plain
 from .starts import (
     CylindricalStart,
     FreeStart,
@@ -44,11 +59,6 @@ from .starts import (
 )
 from .tables import EffortDamper
 
-# Efforts along the joint's coordinate on its second marker, N or N m, each of one of the joint's keys.
-EFFORTS = {
-    "effort": "driver", "spring_effort": "spring", "damper_effort": "damper", "friction_effort": "friction",
-    "stop_effort": "stop", "input_effort": "input", "driver_effort": "driver",
-}
 PARTS = {"friction": "friction", "input": "an input"}
 
 
@@ -77,7 +87,7 @@ class Driveable(JointBase):
 
     @model_validator(mode="after")
     def _check_efforts(self):
-        for output, part in EFFORTS.items():
+        for output, part in EFFORT_OUTPUTS.items():
             if output in self.output and not getattr(self, part):
                 raise ValueError(f"output {show(output)} is that of {PARTS.get(part, f'a {part}')}, and there is none")
         return self
@@ -106,6 +116,7 @@ class Revolute(Driveable):
     """
 
     kind: ClassVar[str] = "revolute"
+    coordinates: ClassVar[tuple] = (ANGLE,)
 
     revolute: AxisOptions
     start: RevoluteStart = RevoluteStart()
@@ -115,7 +126,7 @@ class Revolute(Driveable):
     stop: AngularStop | None = None
     driver: AngularDriver | None = None
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("angle", "speed", "acceleration", *EFFORTS, "power", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), "acceleration", *EFFORT_OUTPUTS, "power", *REACTIONS) = []
 
 
 class Prismatic(Driveable):
@@ -126,6 +137,7 @@ class Prismatic(Driveable):
     """
 
     kind: ClassVar[str] = "prismatic"
+    coordinates: ClassVar[tuple] = (SLIDE,)
 
     prismatic: AxisOptions
     start: PrismaticStart = PrismaticStart()
@@ -135,7 +147,7 @@ class Prismatic(Driveable):
     stop: LinearStop | None = None
     driver: LinearDriver | None = None
     input: SomeOf("force", bare=True) = []
-    output: SomeOf("position", "speed", "acceleration", *EFFORTS, "power", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), "acceleration", *EFFORT_OUTPUTS, "power", *REACTIONS) = []
 
 
 class ScrewOptions(AxisOptions):
@@ -148,11 +160,12 @@ class Screw(Plain):
     """Rotation about an axis that advances along it. input : torque, N m."""
 
     kind: ClassVar[str] = "screw"
+    coordinates: ClassVar[tuple] = (SLIDE, ANGLE_BESIDE_SLIDE)
 
     screw: ScrewOptions
     start: ScrewStart = ScrewStart()
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("position", "speed", "angle", "angular_speed", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
     @property
     def pitch(self):
@@ -166,11 +179,12 @@ class Cylindrical(Plain):
     """Rotation about an axis and translation along it. input : force (N), torque (N m)."""
 
     kind: ClassVar[str] = "cylindrical"
+    coordinates: ClassVar[tuple] = (SLIDE, ANGLE_BESIDE_SLIDE)
 
     cylindrical: AxisOptions
     start: CylindricalStart = CylindricalStart()
     input: SomeOf("force", "torque", bare=True) = []
-    output: SomeOf("position", "speed", "angle", "angular_speed", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
 
 def _two_axes(value):
@@ -193,11 +207,12 @@ class Universal(Plain):
     """Rotation about an axis in the first marker, then about one in the second (Hooke, Cardan)."""
 
     kind: ClassVar[str] = "universal"
+    coordinates: ClassVar[tuple] = (TWO_ANGLES,)
     input: ClassVar[tuple] = ()
 
     universal: UniversalOptions
     start: UniversalStart = UniversalStart()
-    output: SomeOf("angles", "speeds", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
     @property
     def axes(self):
@@ -213,11 +228,12 @@ class Planar(Plain):
     """
 
     kind: ClassVar[str] = "planar"
+    coordinates: ClassVar[tuple] = (IN_PLANE, ANGLE_BESIDE_SLIDE)
     input: ClassVar[tuple] = ()
 
     planar: NormalOptions
     start: PlanarStart = PlanarStart()
-    output: SomeOf("position", "angle", "velocity", "angular_speed", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
     @property
     def axes(self):
@@ -229,33 +245,36 @@ class Translation(Plain):
     """Three translations and no rotation, as of a particle."""
 
     kind: ClassVar[str] = "translation"
+    coordinates: ClassVar[tuple] = (IN_SPACE,)
     input: ClassVar[tuple] = ()
 
     translation: Empty
     start: TranslationStart = TranslationStart()
-    output: SomeOf("position", "velocity", *REACTIONS) = []
+    output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
 
 class Spherical(Plain):
     """Rotation about a point. input : torque (3,) in N m on the second marker."""
 
     kind: ClassVar[str] = "spherical"
+    coordinates: ClassVar[tuple] = (ORIENTATION,)
 
     spherical: Empty
     start: SphericalStart = SphericalStart()
     input: SomeOf("torque", bare=True) = []
-    output: SomeOf("euler_parameters", "zyx", "zyx_rate", "omega", "alpha", *REACTIONS) = []
+    output: SomeOf(*ROTATION_OUTPUTS, *REACTIONS) = []
 
 
 class Free(Plain):
     """All motions."""
 
     kind: ClassVar[str] = "free"
+    coordinates: ClassVar[tuple] = (IN_SPACE, FREE_ORIENTATION)
     input: ClassVar[tuple] = ()
 
     free: Empty
     start: FreeStart = FreeStart()
-    output: SomeOf("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega") = []
+    output: SomeOf(*POSE_OUTPUTS) = []
 
 
 Joint = by_key(

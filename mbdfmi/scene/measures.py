@@ -2,13 +2,9 @@
 
 from pydantic import Field
 
+from ..vocabulary import MEASURES
 from .ends import BETWEEN, Between
 from .fields import Part, SomeOf
-
-MEASURES = (
-    "distance", "distance_rate", "angle", "position", "velocity", "acceleration",
-    "euler_parameters", "zyx", "zyx_rate", "omega",
-)
 
 
 class Measure(Part):

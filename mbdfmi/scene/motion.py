@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 from scipy.spatial.transform import Rotation as SpatialRotation
 
+from ..vocabulary import GROUND_INPUTS
 from .errors import listed, quoted
 from .fields import (
     AllOrSome,
@@ -173,13 +174,10 @@ class Tabulated(Part):
     table: PoseOverTime
 
 
-# what inputs may tell of the ground's motion, and what each needs beside it
-GROUND_COMMANDS = {
-    "position": (),
+# what some of GROUND_INPUTS need beside them
+BESIDE = {
     "velocity": ("position",),
     "acceleration": ("velocity",),
-    "euler_parameters": (),
-    "zyx": (),
     "omega": ("euler_parameters", "zyx"),
     "alpha": ("omega",),
 }
@@ -194,7 +192,7 @@ class FromInputs(Part):
 
     kind: ClassVar[str] = "input"
 
-    input: AllOrSome(*GROUND_COMMANDS, "speed")
+    input: AllOrSome(*GROUND_INPUTS, "speed")
 
     @field_validator("input")
     @classmethod
@@ -207,14 +205,14 @@ class FromInputs(Part):
         if "euler_parameters" in told and "zyx" in told:
             raise ValueError('"euler_parameters" and "zyx" tell the same; keep one of them')
         for what in told:
-            beside = GROUND_COMMANDS[what]
+            beside = BESIDE.get(what)
             if beside and not set(beside) & set(told):
                 raise ValueError(f"{quoted(what)} needs {listed(beside, 'or')} beside it")
         return told
 
     def commands(self):
-        """What inputs tell, in the order of GROUND_COMMANDS."""
-        return [what for what in GROUND_COMMANDS if (what in self.input if self.input is not True else what != "zyx")]
+        """What inputs tell, in the order of GROUND_INPUTS."""
+        return [what for what in GROUND_INPUTS if (what in self.input if self.input is not True else what != "zyx")]
 
 
 Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, Tabulated, FromInputs)

@@ -3,6 +3,7 @@
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
+from ..vocabulary import ADAPTIVE, FIXED_STEP, SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
 from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
@@ -15,18 +16,6 @@ from .messages import problems_of
 from .names import Name, Text, Title
 from .notices import notices
 from .writer import toml_text
-
-OUTPUTS = (
-    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
-    "input_power", "load_power", "driver_power", "dissipated_power",
-    "linear_momentum", "angular_momentum", "center_of_mass",
-    "constraint_gap", "constraint_rate", "multipliers",
-)
-
-
-FIXED_STEP = ("rk4", "ros2", "gauss")
-ADAPTIVE = ("auto", "rk54", "rk853", "radau")
-SOLVER_OUTPUTS = ("steps", "rejected_steps", "evaluations", "estimated_error")
 
 
 class Solver(Part):
@@ -111,7 +100,7 @@ class SceneData(Part):
     title, description : free text, or None.
     central_gravity : or None.
     gravity : (3,) in m/s2 in the inertial frame; [0, 0, -9.81] when left out, 0 with central_gravity.
-    output : names of OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
+    output : names of SCENE_OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
         about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in
         velocity; the multipliers.
@@ -127,7 +116,7 @@ class SceneData(Part):
     description: Text | None = None
     central_gravity: CentralGravity | None = None
     gravity: Vector = Field(default_factory=_gravity)
-    output: SomeOf(*OUTPUTS) = []
+    output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
     ground: Ground = Ground()
     body: dict[Name, Body] = {}

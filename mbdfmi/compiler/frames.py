@@ -1,0 +1,25 @@
+"""Poses of frames: pairs (r, A) of origin (3,) in m and rotation matrix (3, 3), in the frame named."""
+
+import numpy as np
+
+from ..vectors import dot, norm
+
+IDENTITY = (np.zeros(3), np.eye(3))
+
+
+def compose(outer, inner):
+    """Pose of a frame given in a frame that is itself at `outer`."""
+    return outer[0] + dot(outer[1], inner[0]), dot(outer[1], inner[1])
+
+
+def inverse(pose):
+    """The pose the other way round."""
+    return -dot(pose[1].T, pose[0]), pose[1].T
+
+
+def axes_with_z(axis):
+    """A rotation matrix whose third column is the unit vector `axis` (3,); exact for coordinate axes."""
+    helper = np.eye(3)[np.argmin(np.abs(axis))]
+    x = np.cross(helper, axis)
+    x /= norm(x)
+    return np.column_stack([x, np.cross(axis, x), axis])

@@ -1,0 +1,153 @@
+"""How joints start: start values as parameters, and what of them is told where it cannot be kept."""
+
+import numpy as np
+
+from ..kernels import notes
+from ..scene.starts import ENDINGS
+from .joint_kinds import kind_of, led_too, scalars
+from .start import start_position
+from .variables import dotted
+
+TOLD = {
+    "position": (notes.PLACE, notes.MARKER_PLACE),
+    "orientation": (notes.ORIENTATION, notes.MARKER_ORIENTATION),
+    "velocity": (notes.VELOCITY, notes.MARKER_VELOCITY),
+    "omega": (notes.OMEGA, notes.MARKER_OMEGA),
+}
+"""By what is told, of a joint in the tree and of one outside it."""
+
+
+def add_start(builder, name, joint):
+    """Start values of a joint in the tree as parameters."""
+    if kind_of(joint).is_pose:
+        _add_pose_start(builder, name, joint, builder.joint_nodes[name][0])
+        return
+
+    q, v = joint.start_position(), joint.start_velocity()
+    q = led_too(joint, [start_position(joint)] if joint.driver else q)
+    v = led_too(joint, v)
+    led = kind_of(joint).led(joint)
+
+    for k, (i, (coordinate, ending)) in enumerate(zip(builder.joint_nodes[name], scalars(joint))):
+        builder.single["q_start"][builder.q[i]] = q[k]
+        builder.single["v_start"][builder.v[i]] = v[k]
+
+        if joint.driver or k in led:
+            continue
+
+        for quantity, array, at, value in (
+            (coordinate.position, "q_start", builder.q[i], q[k]),
+            (coordinate.rate, "v_start", builder.v[i], v[k]),
+        ):
+            variable = dotted(name, f"{quantity.name}_start") + ending
+            builder.add_start(
+                variable, array, at, value, quantity.unit, f"{quantity.text} of {name} at the start", i
+            )
+
+
+def _add_pose_start(builder, name, joint, i):
+    q, v = joint.start_position(), joint.start_velocity()
+    builder.single["q_start"][builder.q[i] : builder.q[i] + len(q)] = q
+    builder.single["v_start"][builder.v[i] : builder.v[i] + len(v)] = v
+    positions = [coordinate.position for coordinate in joint.coordinates]
+    rates = [coordinate.rate for coordinate in joint.coordinates]
+
+    for array, at, values, quantities in (
+        ("q_start", builder.q[i], q, positions),
+        ("v_start", builder.v[i], v, rates),
+    ):
+        for quantity in quantities:
+            about = f"{quantity.text.rstrip(',')} of {name} at the start"
+            size = quantity.width
+            builder.add_start(
+                dotted(name, f"{quantity.name}_start"), array, at, values[:size], quantity.unit, about, i
+            )
+
+            if quantity.name == "euler_parameters":
+                builder.add_zyx(dotted(name, "zyx_start"), name, i, values[:size])
+
+            values = values[size:]
+            at += size
+
+
+def tell_start(builder, name, joint):
+    """What was given of the start, so that it can be told where it is not kept."""
+    if kind_of(joint).is_pose:
+        _tell_pose(builder, name, joint)
+        return
+
+    in_tree = name in builder.joint_nodes
+    led = kind_of(joint).led(joint)
+
+    for which, written, values in (
+        (0, joint.given_position(), joint.start_position()),
+        (1, joint.given_velocity(), joint.start_velocity()),
+    ):
+        values = led_too(joint, values)
+
+        for k, (ending, (coordinate, index)) in enumerate(zip(written, scalars(joint))):
+            if ending is None or k in led:
+                continue
+
+            place = _told_name(builder, coordinate[which].name + index, name, ending)
+
+            if in_tree:
+                kind, at = (notes.POSITION, notes.SPEED)[which], builder.joint_nodes[name][k]
+            else:
+                kind, at = (notes.COORDINATE, notes.RATE)[which], builder.coordinate(name, k)
+
+            _add_told(builder, kind, at, 0, place, ENDINGS[ending], values[k])
+
+
+def _tell_pose(builder, name, joint):
+    """The same of a spherical or free joint."""
+    in_tree = name in builder.joint_nodes
+    ends = [builder.marker(end) for end in joint.between]
+    q, v = joint.start_position(), joint.start_velocity()
+    A = joint.start.rotation()
+
+    for which, written, values in ((0, joint.given_position(), q), (1, joint.given_velocity(), v)):
+        for k, ending in enumerate(written):
+            turns = k >= len(written) - 3
+            quantity = joint.coordinates[-1 if turns else 0][which].name.replace(
+                "euler_parameters", "orientation"
+            )
+
+            # an orientation is told as a whole
+            if ending is None or (quantity == "orientation" and k > len(written) - 3):
+                continue
+
+            kind = TOLD[quantity][not in_tree]
+            value = values[-4:] if quantity == "orientation" else values[k]
+            unit = ENDINGS["_deg"] if quantity == "orientation" else 1.0
+
+            if quantity == "omega" and ending == "_body":
+                value = A.inv().apply(v[-3:])[k % 3]
+                kind = kind if in_tree else notes.MARKER_OMEGA_BODY
+
+            text = quantity if quantity == "orientation" else f"{quantity}[{k % 3 + 1}]"
+            place = _told_name(builder, text, name, "")
+            at = builder.joint_nodes[name][0] if in_tree else ends[0]
+            _add_told(builder, kind, at, k % 3, place, unit, value, -1 if in_tree else ends[1])
+
+
+def _told_name(builder, quantity, joint, ending):
+    """Index of what a message calls a start value."""
+    unit = {"_deg": " in deg", "_rpm": " in rpm"}.get(ending, "")
+    unit = " in deg/s" if ending == "_deg" and "speed" in quantity else unit
+    return builder.name(f"the {quantity.replace('_', ' ')} of {joint}{unit}")
+
+
+def _add_told(builder, kind, at, component, place, unit, value, to=-1):
+    """One row of the start values that are told when they cannot be kept; `value`: SI, of an orientation E."""
+    values = np.zeros(4)
+    values[: np.size(value)] = value
+    builder.tables["n_told"].add(
+        told_kind=kind,
+        told_at=at,
+        told_to=to,
+        told_component=component,
+        told_place=place,
+        told_unit=unit,
+        told_value=values,
+    )

@@ -1,0 +1,243 @@
+"""Words that a scene may use and an FMU shows: names, units, widths, descriptions.
+
+Below scene and compiler: the one checks by them what may be written, the other makes variables of them.
+Tables are by name, in the order in which messages and docs/scene.md list them.
+"""
+
+from typing import NamedTuple
+
+
+class Quantity(NamedTuple):
+    """A number or a vector that goes in or out.
+
+    unit : key of `units.UNITS`; None without unit.
+    words : what descriptions call it, by default its name.
+    """
+
+    name: str
+    unit: str | None = None
+    width: int = 1
+    words: str = ""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """() of a number, (n,) of a vector."""
+        return (self.width,) if self.width > 1 else ()
+
+    @property
+    def text(self) -> str:
+        """What descriptions call it."""
+        return self.words or self.name.replace("_", " ")
+
+
+def table(*quantities: Quantity) -> dict[str, Quantity]:
+    """Quantities by name."""
+    return {quantity.name: quantity for quantity in quantities}
+
+
+# coordinates of joints
+
+
+class Coordinate(NamedTuple):
+    """What users call a coordinate of a joint (several, as a vector), its rate, and an effort along it."""
+
+    position: Quantity
+    rate: Quantity
+    effort: Quantity
+
+
+POSITION = Quantity("position", "m", 3)
+VELOCITY = Quantity("velocity", "m/s", 3)
+EULER_PARAMETERS = Quantity("euler_parameters", None, 4, "Euler parameters, scalar last,")
+ZYX = Quantity("zyx", "rad", 3, "yaw, pitch, roll")
+ZYX_RATE = Quantity("zyx_rate", "rad/s", 3, "rates of yaw, pitch, roll")
+OMEGA = Quantity("omega", "rad/s", 3, "angular velocity")
+ALPHA = Quantity("alpha", "rad/s2", 3, "angular acceleration")
+
+ANGLE = Coordinate(Quantity("angle", "rad"), Quantity("speed", "rad/s"), Quantity("torque", "N.m"))
+SLIDE = Coordinate(Quantity("position", "m"), Quantity("speed", "m/s"), Quantity("force", "N"))
+ANGLE_BESIDE_SLIDE = ANGLE._replace(rate=Quantity("angular_speed", "rad/s"))
+TWO_ANGLES = Coordinate(
+    Quantity("angles", "rad", 2), Quantity("speeds", "rad/s", 2), Quantity("torques", "N.m", 2)
+)
+IN_PLANE = Coordinate(Quantity("position", "m", 2), Quantity("velocity", "m/s", 2), Quantity("force", "N", 2))
+IN_SPACE = Coordinate(POSITION, VELOCITY, Quantity("force", "N", 3))
+ORIENTATION = Coordinate(EULER_PARAMETERS, OMEGA, Quantity("torque", "N.m", 3))
+FREE_ORIENTATION = ORIENTATION._replace(effort=Quantity("moment", "N.m", 3))
+
+
+def coordinate_names(coordinates: tuple[Coordinate, ...]) -> list[str]:
+    """Names of coordinates, each followed by that of its rate."""
+    return [
+        quantity.name for coordinate in coordinates for quantity in (coordinate.position, coordinate.rate)
+    ]
+
+
+# outputs of joints
+
+ROTATION_OUTPUTS = table(EULER_PARAMETERS, ZYX, ZYX_RATE, OMEGA, ALPHA)
+"""Of the second marker's orientation in the first."""
+
+POSE_OUTPUTS = table(POSITION, VELOCITY, EULER_PARAMETERS, ZYX, ZYX_RATE, OMEGA)
+"""Of the second marker's pose in the first."""
+
+EFFORT_OUTPUTS = {
+    "effort": "driver",
+    "spring_effort": "spring",
+    "damper_effort": "damper",
+    "friction_effort": "friction",
+    "stop_effort": "stop",
+    "input_effort": "input",
+    "driver_effort": "driver",
+}
+"""Efforts along a joint's coordinate on its second marker, N or N m: each of one of the joint's keys."""
+
+REACTIONS = table(
+    Quantity("reaction_force", "N", 3, "force"),
+    Quantity("reaction_moment", "N.m", 3, "moment about the second marker's origin"),
+    Quantity("reaction_force_body", "N", 3, "force"),
+    Quantity("reaction_moment_body", "N.m", 3, "moment about the second marker's origin"),
+)
+"""What a joint does to its second marker, in the first one's axes, or (_body) in its own."""
+
+PARAMETERS = table(Quantity("s", words="parameter"), Quantity("s_rate", words="rate of the parameter"))
+"""Of a curve or a surface, whose units those of its parameters are."""
+
+# outputs of bodies, markers, measures, the ground
+
+MARKER_OUTPUTS = table(
+    Quantity("position", "m", 3, "position in the inertial frame"),
+    Quantity("velocity", "m/s", 3, "velocity in the inertial frame"),
+    Quantity("acceleration", "m/s2", 3, "acceleration in the inertial frame"),
+    Quantity("euler_parameters", None, 4, "Euler parameters in the inertial frame, scalar last"),
+    Quantity("zyx", "rad", 3, "yaw, pitch, roll in the inertial frame"),
+    Quantity("zyx_rate", "rad/s", 3, "rates of yaw, pitch, roll in the inertial frame"),
+    Quantity("omega", "rad/s", 3, "angular velocity in the inertial frame"),
+    Quantity("alpha", "rad/s2", 3, "angular acceleration in the inertial frame"),
+    Quantity("velocity_body", "m/s", 3, "velocity in its own axes"),
+    Quantity("acceleration_body", "m/s2", 3, "acceleration in its own axes"),
+    Quantity("omega_body", "rad/s", 3, "angular velocity in its own axes"),
+    Quantity("alpha_body", "rad/s2", 3, "angular acceleration in its own axes"),
+)
+
+MARKER_INPUTS = table(Quantity("force", "N", 3), Quantity("moment", "N.m", 3))
+
+MEASURES = table(
+    Quantity("distance", "m"),
+    Quantity("distance_rate", "m/s", words="rate of the distance"),
+    Quantity("angle", "rad", words="angle between the z axes"),
+    POSITION,
+    VELOCITY,
+    Quantity("acceleration", "m/s2", 3),
+    EULER_PARAMETERS,
+    ZYX,
+    ZYX_RATE,
+    OMEGA,
+)
+"""Of one marker seen from another."""
+
+GROUND_OUTPUTS = table(
+    Quantity("reaction_force", "N", 3, "force"),
+    Quantity("reaction_moment", "N.m", 3, "moment about its origin"),
+)
+
+GROUND_INPUTS = table(
+    POSITION,
+    VELOCITY,
+    Quantity("acceleration", "m/s2", 3),
+    Quantity("euler_parameters", None, 4, "Euler parameters"),
+    Quantity("zyx", "rad", 3, "yaw, pitch and roll"),
+    OMEGA,
+    ALPHA,
+)
+"""What may be told of the motion of the ground."""
+
+# outputs of forces and couplings
+
+STRUT_OUTPUTS = table(
+    Quantity("length", "m"),
+    Quantity("rate", "m/s", words="rate of the length"),
+    Quantity("force", "N", words="tension"),
+    Quantity("tension", "N"),
+    Quantity("spring_force", "N", words="tension of the spring"),
+    Quantity("damper_force", "N", words="tension of the damper"),
+    Quantity("input_force", "N", words="tension that the input gives"),
+    Quantity("power", "W", words="power on the bodies"),
+)
+
+SIX_BY_SIX_OUTPUTS = table(
+    Quantity("force", "N", 3, "force on the second marker, in the first one's axes"),
+    Quantity("moment", "N.m", 3, "moment on the second marker about its origin, in the first one's axes"),
+    Quantity("displacement", "m", 3, "position of the second marker in the first"),
+    Quantity("rotation", "rad", 3, "angles rx, ry, rz of the second marker from the first"),
+    Quantity("power", "W", words="power on the bodies"),
+)
+"""Of a linear force and of a bushing."""
+
+LOAD_OUTPUTS = table(Quantity("power", "W"))
+
+COUPLING_OUTPUTS = table(Quantity("efforts", width=2, words="effort"))
+"""Along the coordinates of the two joints, in their units."""
+
+# outputs of the whole
+
+SCENE_OUTPUTS = table(
+    Quantity("kinetic_energy", "J"),
+    Quantity("potential_energy", "J", words="potential energy of weight, springs, stops and preloads"),
+    Quantity("total_energy", "J", words="kinetic and potential energy"),
+    Quantity("gravity_energy", "J", words="potential energy of weight"),
+    Quantity("spring_energy", "J", words="potential energy of springs, stops and preloads"),
+    Quantity("input_power", "W", words="power of all inputs that are efforts, forces or moments"),
+    Quantity("load_power", "W", words="power of all loads"),
+    Quantity("driver_power", "W", words="power of all drivers and of what moves the ground"),
+    Quantity("dissipated_power", "W", words="power lost in dampers, friction, stops and damping"),
+    Quantity("linear_momentum", "kg.m/s", 3, "linear momentum, that of added mass included"),
+    Quantity(
+        "angular_momentum",
+        "kg.m2/s",
+        3,
+        "angular momentum about the inertial origin, that of added mass included",
+    ),
+    Quantity("center_of_mass", "m", 3, "centre of mass of all bodies"),
+    Quantity("constraint_gap", words="largest error of the constraints' positions (m, rad)"),
+    Quantity("constraint_rate", words="largest error of the constraints' velocities (m/s, rad/s)"),
+    Quantity("multipliers", words="multiplier of a row"),
+)
+
+SOLVER_OUTPUTS = table(
+    Quantity("steps", words="accepted inner steps since the start"),
+    Quantity("rejected_steps", words="rejected inner steps since the start"),
+    Quantity("evaluations", words="evaluations of the accelerations since the start"),
+    Quantity(
+        "estimated_error", words="estimated local errors of the inner steps since the start, summed; relative"
+    ),
+)
+
+# steppers
+
+
+class Stepper(NamedTuple):
+    """A way to advance time, in words; `fixed`: by steps of one length."""
+
+    name: str
+    fixed: bool
+    words: str
+
+
+STEPPERS = (
+    Stepper(
+        "auto",
+        False,
+        "Embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is "
+        "stiff, the implicit Radau IIA method of order 5",
+    ),
+    Stepper("rk54", False, "Embedded Runge-Kutta pair of order 5(4)"),
+    Stepper("rk853", False, "Embedded Runge-Kutta pair of order 8(5,3)"),
+    Stepper("radau", False, "Implicit Radau IIA method of order 5"),
+    Stepper("rk4", True, "Classical Runge-Kutta method of order 4"),
+    Stepper("ros2", True, "Linearly implicit method of order 2"),
+    Stepper("gauss", True, "Gauss collocation of order 8"),
+)
+ADAPTIVE = tuple(stepper.name for stepper in STEPPERS if not stepper.fixed)
+FIXED_STEP = tuple(stepper.name for stepper in STEPPERS if stepper.fixed)
+METHODS = {stepper.name: stepper.words for stepper in STEPPERS}
