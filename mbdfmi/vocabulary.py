@@ -66,6 +66,11 @@ ORIENTATION = Coordinate(EULER_PARAMETERS, OMEGA, Quantity("torque", "N.m", 3))
 FREE_ORIENTATION = ORIENTATION._replace(effort=Quantity("moment", "N.m", 3))
 
 
+def acceleration_of(coordinate: Coordinate) -> Quantity:
+    """The second rate of a joint's one coordinate."""
+    return Quantity("acceleration", f"{coordinate.position.unit}/s2")
+
+
 def coordinate_names(coordinates: tuple[Coordinate, ...]) -> list[str]:
     """Names of coordinates, each followed by that of its rate."""
     return [
@@ -153,6 +158,8 @@ GROUND_INPUTS = table(
 """What may be told of the motion of the ground."""
 
 # outputs of forces and couplings
+
+STRUT_INPUT = Quantity("force", "N")
 
 STRUT_OUTPUTS = table(
     Quantity("length", "m"),

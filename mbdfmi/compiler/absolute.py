@@ -9,6 +9,7 @@ from ..kernels.motion import coordinates
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..scene import Problem, SceneError
 from ..vectors import dot
+from .builder import Place
 from .variables import dotted
 
 
@@ -80,6 +81,6 @@ def add_absolute_starts(builder, motion):
             ("omega", "v_start", builder.v[i] + 3, v[3:], "rad/s"),
         ):
             about = f"{quantity.replace('_', ' ')} of the moving part of {name} at the start, its frame in the ground's axes"
-            builder.add_start(dotted(name, f"{quantity}_start"), array, at, values, unit, about, i)
+            builder.add_start(dotted(name, f"{quantity}_start"), Place(array, at), values, unit, about, i)
 
         builder.add_zyx(dotted(name, "zyx_start"), f"the moving part of {name}", i, q[3:])

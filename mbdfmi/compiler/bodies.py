@@ -13,7 +13,7 @@ from ..vocabulary import (
     SCENE_OUTPUTS,
     SOLVER_OUTPUTS,
 )
-from .builder import Source
+from .builder import Place, Source
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -86,21 +86,23 @@ def add_settings(builder):
     if central := builder.scene.central_gravity:
         builder.tables["n_central"].add(central_mu=central.mu)
         about = "weight -mu r / |r|^3 per mass, r from the inertial origin"
-        builder.add_parameters("central_gravity.mu", "central_mu", 0, central.mu, "m3/s2", about)
+        builder.add_parameters("central_gravity.mu", Place("central_mu"), central.mu, "m3/s2", about)
     else:
-        builder.add_parameters("gravity", "gravity", 0, builder.scene.gravity, "m/s2", "gravity in the inertial frame")
+        builder.add_parameters(
+            "gravity", Place("gravity"), builder.scene.gravity, "m/s2", "gravity in the inertial frame"
+        )
 
     for name in solver.output:
         quantity = SOLVER_OUTPUTS[name]
         builder.add_outputs(f"solver.{name}", Source(SOLVER_KINDS[name]), quantity.unit, quantity.text, ())
 
     if solver.fixed_step:
-        builder.add_parameters("solver.step", "step", 0, solver.step, "s", "largest inner step")
+        builder.add_parameters("solver.step", Place("step"), solver.step, "s", "largest inner step")
         return
 
     for name in ("tolerance", "absolute_tolerance"):
         about = f"adaptive step: largest local error, {'absolute' if name.startswith('abs') else 'relative'}"
-        builder.add_parameters(f"solver.{name}", name, 0, getattr(solver, name), None, about)
+        builder.add_parameters(f"solver.{name}", Place(name), getattr(solver, name), None, about)
 
 
 # s, that a communication step should cost at most, estimated generously
@@ -116,7 +118,7 @@ def add_work_limit(builder, counts):
     most = builder.scene.solver.max_evaluations or float(f"{LONGEST_STEP / cost:.1e}")
     builder.single["max_evaluations"] = most
     about = "largest work of a communication step, in evaluations of the accelerations"
-    builder.add_parameters("solver.max_evaluations", "max_evaluations", 0, most, None, about)
+    builder.add_parameters("solver.max_evaluations", Place("max_evaluations"), most, None, about)
 
 
 def add_bodies(builder):
@@ -146,11 +148,11 @@ def add_bodies(builder):
         row = builder.tables["n_solid"].add(
             solid_body=node, solid_mass=mass, solid_com=com, solid_inertia=inertia, solid_r=r, solid_A=A
         )
-        builder.add_parameters(dotted(name, "mass"), "solid_mass", row, mass, "kg", f"mass of {name}")
+        builder.add_parameters(dotted(name, "mass"), Place("solid_mass", row), mass, "kg", f"mass of {name}")
         about = f"centre of mass of {name}, in its own frame"
-        builder.add_parameters(dotted(name, "com"), "solid_com", row, com, "m", about)
+        builder.add_parameters(dotted(name, "com"), Place("solid_com", row), com, "m", about)
         about = f"inertia of {name} about its centre of mass, in its own axes: xx, yy, zz, xy, xz, yz"
-        builder.add_parameters(dotted(name, "inertia"), "solid_inertia", row, inertia, "kg.m2", about)
+        builder.add_parameters(dotted(name, "inertia"), Place("solid_inertia", row), inertia, "kg.m2", about)
 
 
 def _spins(builder, node):
@@ -199,7 +201,7 @@ def _add_marker(builder, path, spec):
         axes = "its own" if spec.input_axes == "body" else "inertial"
         about = f"{quantity.text} on {name}, in {axes} axes"
         variable = dotted(*path, quantity.name)
-        first[quantity.name] = builder.add_inputs(variable, quantity.shape, quantity.unit, about, [node])
+        first[quantity.name] = builder.add_inputs(variable, quantity, about, [node])
 
     if spec.input:
         builder.tables["n_wrench_input"].add(
@@ -213,7 +215,9 @@ def _add_marker(builder, path, spec):
     for output in spec.output:
         quantity = MARKER_OUTPUTS[output]
         source = Source(MARKER_KINDS[output], 0, index)
-        builder.add_outputs(dotted(*path, output), source, quantity.unit, f"{quantity.text} of {name}", [node])
+        builder.add_outputs(
+            dotted(*path, output), source, quantity.unit, f"{quantity.text} of {name}", [node]
+        )
 
 
 def add_measures(builder):
@@ -225,7 +229,9 @@ def add_measures(builder):
         for output in measure.output:
             quantity = MEASURES[output]
             about = f"{quantity.text} of {name}: {measure.between[1]} in {measure.between[0]}"
-            builder.add_outputs(dotted(name, output), Source(MEASURE_KINDS[output], a, b), quantity.unit, about, nodes)
+            builder.add_outputs(
+                dotted(name, output), Source(MEASURE_KINDS[output], a, b), quantity.unit, about, nodes
+            )
 
 
 def add_scene_outputs(builder):
@@ -240,7 +246,10 @@ def add_scene_outputs(builder):
         fed_by = ()
 
         if output == "driver_power":
-            nodes = [*builder.drive_of, *(i for joint in builder.driven_cuts for i in builder.nodes_of(joint))]
+            nodes = [
+                *builder.drive_of,
+                *(i for joint in builder.driven_cuts for i in builder.nodes_of(joint)),
+            ]
         elif output == "input_power":
             fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves]
 

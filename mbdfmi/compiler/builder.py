@@ -44,6 +44,41 @@ class Source(NamedTuple):
     b: int = 0
 
 
+class Place(NamedTuple):
+    """Where a parameter stands: from element `offset` of row `row` of an array of `reals` on."""
+
+    array: str
+    row: int = 0
+    offset: int = 0
+
+    @property
+    def at(self) -> int:
+        """Index in the array."""
+        return self.row * layout.ROW[self.array].width + self.offset
+
+
+class Told(NamedTuple):
+    """What is compared to tell whether a given start value was kept: a kind of kernels/notes.py, and what of (see there)."""
+
+    kind: int
+    at: int
+    to: int = -1
+    component: int = 0
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A scalar parameter in the making: its fields as a Variable, the array that it stands in and where in that."""
+
+    name: str
+    variability: str
+    start: float
+    unit: str | None
+    description: str
+    array: str
+    index: int
+
+
 @dataclass(frozen=True)
 class Input:
     """A scalar input in the making: its fields as a Variable, the nodes that it acts on, whether it prescribes a motion."""
@@ -163,6 +198,15 @@ class Builder:
         self.names.append(text)
         return len(self.names) - 1
 
+    def tell(self, told, name, value, unit=1.0):
+        """A start value that is told where it cannot be kept: SI, of an orientation E; `unit`: of what the name says, by SI."""
+        values = np.zeros(4)
+        values[: np.size(value)] = value
+        self.tables["n_told"].add(
+            told_kind=told.kind, told_at=told.at, told_to=told.to, told_component=told.component,
+            told_place=self.name(name), told_unit=unit, told_value=values,
+        )  # fmt: skip
+
     # structure
 
     def add_marker(self, key, node, pose):
@@ -179,7 +223,9 @@ class Builder:
 
     def joint_marker(self, joint, side, turn):
         """Index of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""
-        return self.add_marker((joint, side, turn.tobytes()), *self.tree.joint_side(self.scene, joint, side, turn))
+        return self.add_marker(
+            (joint, side, turn.tobytes()), *self.tree.joint_side(self.scene, joint, side, turn)
+        )
 
     def coordinate(self, joint, k=0):
         """Index of a joint's scalar coordinate k, one of its simple motions (see joint_kinds.py)."""
@@ -229,7 +275,9 @@ class Builder:
         for x, c, area in zip(polynomial.x, coefficients.T, areas):
             self.tables["n_knot"].add(knot_x=x, knot_c=c, knot_area=area)
 
-        return self.tables["n_table"].add(table_knot=first, table_knots=len(polynomial.x), table_beyond=beyond)
+        return self.tables["n_table"].add(
+            table_knot=first, table_knots=len(polynomial.x), table_beyond=beyond
+        )
 
     def tables_over_time(self, interpolation, time, values):
         """Index of the first of the tables over time of one value (n,), or of several (n, k); they keep their end values."""
@@ -253,17 +301,25 @@ class Builder:
 
     # variables
 
-    def add_inputs(self, name, shape, unit, description, nodes, moves=False, start=0.0):
-        """Inputs that act on `nodes`; returns the first's position in u.
+    def add_inputs(self, name, quantity, description, nodes, moves=False, start=0.0):
+        """Inputs of a quantity (its unit and shape) that act on `nodes`; returns the first's position in u.
 
         moves : they prescribe a motion, so that positions and velocities follow them at once.
         start : one value, or one for each element.
         """
         first = len(self.inputs)
-        endings = subscripts(shape)
+        endings = subscripts(quantity.shape)
 
         for k, (ending, value) in enumerate(zip(endings, np.broadcast_to(start, len(endings)))):
-            fields = (name + ending, "input", "continuous", float(value), unit, description, first + k)
+            fields = (
+                name + ending,
+                "input",
+                "continuous",
+                float(value),
+                quantity.unit,
+                description,
+                first + k,
+            )
             self.inputs.append(Input(fields, set(nodes) - {0}, moves))
 
         return first
@@ -272,30 +328,31 @@ class Builder:
         """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it."""
         first = len(self.outputs)
         width = outputs.WIDTH.get(source.kind)
-        self.tables["n_output"].add(output_kind=source.kind, output_a=source.a, output_b=source.b, output_y=first)
+        self.tables["n_output"].add(
+            output_kind=source.kind, output_a=source.a, output_b=source.b, output_y=first
+        )
 
         for k, ending in enumerate(subscripts((width,) if width else ())):
             fields = (name + ending, "output", "continuous", None, unit, description, first + k)
             self.outputs.append(Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by)))
 
-    def add_parameters(self, name, array, row, values, unit, description, variability="tunable", offset=0):
-        """Parameters that stand from element `offset` of row `row` of an array of `reals` on.
-
-        Units by element or one for all.
-        """
+    def add_parameters(self, name, place, values, unit, description, variability="tunable"):
+        """Parameters that stand from a place on; units by element or one for all."""
         values = np.asarray(values, float)
         units = unit if isinstance(unit, list) else [unit] * values.size
 
         for k, (ending, value) in enumerate(zip(subscripts(values.shape), values.ravel())):
-            place = (array, row * layout.ROW[array].width + offset + k)
-            self.parameters.append((name + ending, variability, float(value), units[k], description, place))
+            parameter = Parameter(
+                name + ending, variability, float(value), units[k], description, place.array, place.at + k
+            )
+            self.parameters.append(parameter)
 
-    def add_start(self, name, array, row, values, unit, description, node):
+    def add_start(self, name, place, values, unit, description, node):
         """Start values of a node's joint as parameters; `starts` remembers what they are of."""
-        self.add_parameters(name, array, row, values, unit, description, "fixed")
+        self.add_parameters(name, place, values, unit, description, "fixed")
 
         for k in range(np.size(values)):
-            self.starts[array, row + k] = node
+            self.starts[place.array, place.at + k] = node
 
     def add_zyx(self, variable, name, node, E):
         """Yaw, pitch, roll as another way to start an orientation."""
@@ -305,10 +362,7 @@ class Builder:
         about = f"yaw, pitch, roll of {name} at the start; they count instead of the Euler parameters once they are changed"
         columns = self.tables["n_body"].columns
         columns["zyx_start"][node] = columns["zyx_told"][node] = values
-        self.add_parameters(variable, "zyx_start", node, values, "rad", about, "fixed")
-
-        for k in range(3):
-            self.starts["zyx_start", 3 * node + k] = node
+        self.add_start(variable, Place("zyx_start", node), values, "rad", about, node)
 
     def _guess(self, array, k):
         """Whether a start value is but a guess: what it starts follows from others, and the user did not give it."""
@@ -334,8 +388,16 @@ class Builder:
         first = len(inputs) + len(self.outputs)
         guess = ", a guess: joints in loops and couplings lead it elsewhere"
         parameters = [
-            Variable(name, "parameter", variability, start, unit, about + guess * self._guess(array, k), offset[array] + k)
-            for name, variability, start, unit, about, (array, k) in self.parameters
+            Variable(
+                name=parameter.name,
+                causality="parameter",
+                variability=parameter.variability,
+                start=parameter.start,
+                unit=parameter.unit,
+                description=parameter.description + guess * self._guess(parameter.array, parameter.index),
+                index=offset[parameter.array] + parameter.index,
+            )
+            for parameter in self.parameters
         ]
         island = self._islands(self.constraint_nodes)
         reach = self._islands(self.constraint_nodes + self.force_nodes)

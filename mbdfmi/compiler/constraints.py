@@ -1,11 +1,10 @@
 """Joints that close loops, rolling and couplings as rows, in an order that keeps their factor sparse."""
 
-
 from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
-from .builder import Constraint
-from .drives import coupling_constraints, drive_constraints
+from .builder import Constraint, Place
+from .couplings import coupling_constraints, drive_constraints
 from .joint_kinds import kind_of
 from .start import start_pose
 
@@ -32,7 +31,13 @@ def add_constraints(builder):
     _add_tables(builder, constraints, [path[k] for k in order], meets)
     builder.loop_hints = [_hint(builder, c) for c in constraints]
     about = "largest gap of a closed loop, m and rad"
-    builder.add_parameters("solver.closing_tolerance", "closing_tolerance", 0, builder.scene.solver.closing_tolerance, None, about)
+    builder.add_parameters(
+        "solver.closing_tolerance",
+        Place("closing_tolerance"),
+        builder.scene.solver.closing_tolerance,
+        None,
+        about,
+    )
 
     for c in constraints:
         of_velocity = all(kind == rows.KNIFE for kind, _, _ in c.rows)
@@ -69,7 +74,9 @@ def _way(builder, i):
 
 def _hint(builder, constraint):
     """Whose starts matter to a constraint that cannot be closed: those that are not given, if there are."""
-    names = dict.fromkeys(builder.nodes[i].joint for i in sorted(_involved(builder, constraint)) if builder.nodes[i].joint)
+    names = dict.fromkeys(
+        builder.nodes[i].joint for i in sorted(_involved(builder, constraint)) if builder.nodes[i].joint
+    )
     names = names or dict.fromkeys(builder.tree.cuts)
     free = [name for name in names if not builder.scene.joint[name].holds_position]
     return f"of {', '.join(free or names)}" if names else "none of its joints can move"
@@ -104,7 +111,10 @@ def _path(builder, constraint):
     """Nodes between a constraint and the ground, ascending; none where it is between parts of one rigid body."""
     path = set()
 
-    if len({_rigid_part(builder, i) for i in constraint.nodes}) == 1 and constraint.rows[0][0] != rows.COUPLING:
+    if (
+        len({_rigid_part(builder, i) for i in constraint.nodes}) == 1
+        and constraint.rows[0][0] != rows.COUPLING
+    ):
         return []
 
     for i in constraint.nodes:
@@ -167,6 +177,12 @@ def _neighbours(builder, paths):
 
 
 def _add_tables(builder, constraints, paths, meets):
+    """Tables of the constraints, in their order of elimination.
+
+    Two arrays of the kernels are laid out here: whitened responses, one block a constraint of its rows by the velocities of its
+    path (`reach`); and the factor of C M^-1 C^T, by block rows: of each constraint a block with each earlier one that it meets,
+    then its own (`block`).
+    """
     n_v = {i: N_V[KINDS[node.kind]] for i, node in enumerate(builder.nodes) if i}
     size = [len(constraint.rows) for constraint in constraints]
     reach = block = row = 0
@@ -185,7 +201,7 @@ def _add_tables(builder, constraints, paths, meets):
             constraint_from_2=constraint.markers[2],
             constraint_to_2=constraint.markers[3],
             constraint_row=row,
-            constraint_rows=len(constraint.rows),
+            constraint_rows=size[c],
             constraint_path=builder.tables["n_path"].length,
             constraint_paths=len(path),
             constraint_reach=reach,
@@ -194,29 +210,38 @@ def _add_tables(builder, constraints, paths, meets):
             constraint_meets=len(meets[c]),
             constraint_block=block,
         )
+        _add_path(builder, path, n_v)
+        _add_rows(builder, c, constraint)
         block += size[c] ** 2
-        at = 0
-
-        for i in path:
-            builder.tables["n_path"].add(path_node=i, path_at=at)
-            at += n_v[i]
-
-        # how many products of axes there are tells which axes they keep parallel
-        parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint.rows) - 1)
-
-        for kind, i, j in constraint.rows:
-            builder.tables["n_row"].add(
-                row_constraint=c,
-                row_kind=kind,
-                row_i=i,
-                row_j=j,
-                row_value=constraint.value,
-                row_offset=constraint.offset,
-                row_drive=constraint.drive,
-                row_at_start=constraint.at_start,
-                row_parallel=parallel if kind == rows.DOT else 0,
-            )
-            reach += width
-            row += 1
+        reach += size[c] * width
+        row += size[c]
 
     builder.counts |= {"n_reach": reach, "n_factor": block}
+
+
+def _add_path(builder, path, n_v):
+    """Nodes of a constraint's path, and where their velocities stand among those of the path."""
+    at = 0
+
+    for i in path:
+        builder.tables["n_path"].add(path_node=i, path_at=at)
+        at += n_v[i]
+
+
+def _add_rows(builder, c, constraint):
+    """The rows of constraint c."""
+    # how many products of axes there are tells which axes they keep parallel
+    parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint.rows) - 1)
+
+    for kind, i, j in constraint.rows:
+        builder.tables["n_row"].add(
+            row_constraint=c,
+            row_kind=kind,
+            row_i=i,
+            row_j=j,
+            row_value=constraint.value,
+            row_offset=constraint.offset,
+            row_drive=constraint.drive,
+            row_at_start=constraint.at_start,
+            row_parallel=parallel if kind == rows.DOT else 0,
+        )

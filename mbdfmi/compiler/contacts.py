@@ -11,7 +11,7 @@ from ..kernels.math import tables
 from ..scene import Problem, SceneError
 from ..vectors import dot
 from ..vocabulary import PARAMETERS
-from .builder import Source
+from .builder import Place, Source, Told
 from .variables import dotted
 
 # samples of a curve's tangent, and directions that may be the one it is never parallel to
@@ -44,11 +44,8 @@ def _add_contact(builder, name, joint):
         for k, (value, unit, ending) in enumerate(zip(start, units, endings)):
             about = f"parameter of {name} at the start"
             variable = dotted(name, "s_start") + ending
-            builder.add_parameters(variable, "s_start", first + k, value, unit, about, "fixed")
-            builder.tables["n_told"].add(
-                told_kind=notes.PARAMETER, told_at=first + k, told_to=-1, told_component=0, told_unit=1.0,
-                told_place=builder.name(f"the parameter s{ending} of {name}"), told_value=np.zeros(4),
-            )  # fmt: skip
+            builder.add_parameters(variable, Place("s_start", first + k), value, unit, about, "fixed")
+            builder.tell(Told(notes.PARAMETER, first + k), f"the parameter s{ending} of {name}", 0.0)
 
     return builder.tables["n_contact"].add(
         contact_kind=touching.KINDS[joint.kind],
@@ -87,9 +84,7 @@ def _shape(builder, end, what):
 
 def _add_curve(builder, curve):
     kind = curves.KINDS[curve.kind]
-    row = dict(
-        curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0
-    )
+    row = dict(curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0)
 
     if kind == curves.SPLINE:
         points, s = curve.points, curve.s
@@ -164,9 +159,7 @@ def _add_patches(builder, surface):
     for coefficients in patches.reshape(-1, 48):
         builder.tables["n_patch"].add(patch_c=coefficients)
 
-    edges = [
-        builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)
-    ]
+    edges = [builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)]
     return {"surface_patch": first, "surface_table": edges}
 
 
@@ -181,9 +174,7 @@ def _with_straight_ends(x, c):
     left[3, 0] = c[3, 0] - width * c[2, 0]
     right[2, 0] = c[2, -1] + h * (2.0 * c[1, -1] + 3.0 * h * c[0, -1])
     right[3, 0] = c[3, -1] + h * (c[2, -1] + h * (c[1, -1] + h * c[0, -1]))
-    return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate(
-        [left, c, right], axis=1
-    )
+    return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate([left, c, right], axis=1)
 
 
 def add_contact_outputs(builder, name, joint, output):
@@ -198,7 +189,9 @@ def add_contact_outputs(builder, name, joint, output):
 
         ending = f"[{k + 1}]" if len(units) > 1 else ""
         about = f"{PARAMETERS[output].text} of {name}"
-        builder.add_outputs(dotted(name, output) + ending, Source(kind, builder.contacts[name], k), unit, about, nodes)
+        builder.add_outputs(
+            dotted(name, output) + ending, Source(kind, builder.contacts[name], k), unit, about, nodes
+        )
 
 
 def parameter_units(builder, joint):
@@ -212,9 +205,7 @@ def parameter_units(builder, joint):
             "torus": ["rad", "rad"],
             "table": [None, None],
         }
-        return (
-            [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
-        )
+        return [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
 
     ends = joint.between if joint.kind == "curve_on_curve" else joint.between[:1]
     return [_curve_unit(builder.scene.marker(end).curve) for end in ends]

@@ -1,13 +1,12 @@
-"""Prescribed motion of joints and of the ground; couplings between joints."""
+"""Prescribed motion of joints and of the ground."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels import outputs
-from ..kernels.dynamics import rows
 from ..kernels.motion import courses, drives
-from ..vocabulary import COUPLING_OUTPUTS, GROUND_INPUTS
-from .builder import Constraint, Source
-from .joint_kinds import kind_of, units_along
+from ..vocabulary import GROUND_INPUTS, acceleration_of
+from .builder import Place
 from .variables import dotted
 
 GROUND_PLACE = ("position", "velocity", "acceleration")
@@ -45,15 +44,37 @@ def add_drives(builder):
             builder.driven_cuts[name] = drive
 
 
-def _add(builder, kind, node, value=(), at=0, terms=0, channels=(), turn=(courses.TURN_NONE, 0)):
-    """A row of the table of drives; `channels`: inputs that tell position, speed, acceleration of each, and whether an angle."""
+@dataclass(frozen=True)
+class Drive:
+    """A row of the table of drives.
+
+    kind : of kernels/motion/drives.py. node : that it holds, -1 where its joint closes a loop.
+    value, at, terms : numbers, the first of its tables or waves, and how many terms there are, by kind.
+    channels : of each command the inputs that tell its position, speed and acceleration (-1: none), and whether it is an angle.
+    turn : how an orientation is commanded (kernels/motion/courses.py), and by which input on.
+    """
+
+    kind: int
+    node: int
+    value: tuple = ()
+    at: int = 0
+    terms: int = 0
+    channels: tuple = ()
+    turn: tuple[int, int] = (courses.TURN_NONE, 0)
+
+
+def _add(builder, drive):
+    """Index of a drive in the table."""
     values = np.zeros(16)
-    values[: len(value)] = value
-    rows = [builder.tables["n_command"].add(command_u=u, command_angular=int(angular)) for u, angular in channels]
+    values[: len(drive.value)] = drive.value
+    rows = [
+        builder.tables["n_command"].add(command_u=u, command_angular=int(angular))
+        for u, angular in drive.channels
+    ]
     return builder.tables["n_drive"].add(
-        drive_kind=kind, drive_body=node, drive_at=at, drive_terms=terms, drive_value=values, drive_turn=turn,
-        drive_command=rows[0] if rows else -1, drive_commands=len(rows),
-    )
+        drive_kind=drive.kind, drive_body=drive.node, drive_at=drive.at, drive_terms=drive.terms, drive_value=values,
+        drive_turn=drive.turn, drive_command=rows[0] if rows else -1, drive_commands=len(rows),
+    )  # fmt: skip
 
 
 def _belonging(names, quantity, missing):
@@ -63,77 +84,35 @@ def _belonging(names, quantity, missing):
     return text + (f"; {' and '.join(missing)} found from the last commands" if missing else "")
 
 
-def _add_joint_drive(builder, name, joint, node):
-    driver = joint.driver
-    ((position, rate, _),) = joint.coordinates
-    unit = position.unit
-
-    if driver.kind == "constant_speed":
-        start = joint.start_position()[0]
-        drive = _add(builder, drives.CONSTANT_SPEED, node, (start, driver.speed()))
-        about = f"prescribed speed of {name}"
-        builder.add_parameters(
-            dotted(name, "speed_driven"), "drive_value", drive, driver.speed(), f"{unit}/s", about, offset=1
-        )
-        return drive
-
-    if driver.kind == "hold":
-        return _add(builder, drives.CONSTANT_SPEED, node, (joint.start_position()[0], 0.0))
-
-    if driver.kind in ("harmonic", "harmonics"):
-        return _add_waves(builder, name, getattr(driver, driver.kind), node, unit)
-
-    if driver.kind == "polynomial":
-        value = driver.polynomial.values()
-        drive = _add(builder, drives.POLYNOMIAL, node, value, terms=len(value))
-        units = ([unit, f"{unit}/s", f"{unit}/s2"] + [None] * 16)[: len(value)]
-        about = f"coefficients of the powers of time of {name}, SI"
-        builder.add_parameters(dotted(name, "driver", "coefficients"), "drive_value", drive, value, units, about, "fixed")
-        return drive
-
-    if driver.kind == "ramp":
-        value = driver.ramp.values()
-        drive = _add(builder, drives.RAMP, node, value)
-
-        for k, end in enumerate(("begin", "end")):
-            for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position.name, unit)):
-                about = f"{quantity} of {name} at the {'beginning' if k == 0 else 'end'} of its ramp"
-                variable = dotted(name, "driver", f"{quantity}_{end}")
-                builder.add_parameters(variable, "drive_value", drive, value[offset], of, about, "fixed", offset)
-
-        return drive
-
-    if driver.kind == "table":
-        table = builder.tables_over_time(driver.table.interpolation, *driver.table.points())
-        return _add(builder, drives.TABLE, node, at=table)
-
-    if driver.kind == "speed_table":
-        table = builder.tables_over_time(driver.speed_table.interpolation, *driver.speed_table.points())
-        return _add(builder, drives.SPEED_TABLE, node, (joint.start_position()[0],), at=table)
-
-    told = len(driver.commands())
-    quantities = (position.name, rate.name, "acceleration")
-    names = {quantity: dotted(name, f"{quantity}_command") for quantity in quantities[:told]}
-    starts = (joint.start_position, joint.start_velocity, lambda: [0.0])
-    inputs = [-1, -1, -1]
-
-    for k, (quantity, variable) in enumerate(names.items()):
-        about = f"{quantity} that {name} is driven to" + _belonging(names.values(), variable, quantities[told:])
-        value = float(starts[k]()[0])
-        inputs[k] = builder.add_inputs(
-            variable, (), unit + ("", "/s", "/s2")[k], about, builder.nodes_of(name), moves=True, start=value
-        )
-
-    return _add(builder, drives.INPUT, node, channels=[(inputs, unit == "rad")])
+# of joints: name, joint, node that it holds -> index of the drive
 
 
-def _add_waves(builder, name, harmonics, node, unit):
-    """The drive of a joint by one harmonic or by their sum."""
+def _constant_speed(builder, name, joint, node):
+    speed = joint.driver.speed()
+    drive = _add(builder, Drive(drives.CONSTANT_SPEED, node, (joint.start_position()[0], speed)))
+    (coordinate,) = joint.coordinates
+    place = Place("drive_value", drive, 1)
+    about = f"prescribed speed of {name}"
+    builder.add_parameters(dotted(name, "speed_driven"), place, speed, coordinate.rate.unit, about)
+    return drive
+
+
+def _hold(builder, name, joint, node):
+    return _add(builder, Drive(drives.CONSTANT_SPEED, node, (joint.start_position()[0], 0.0)))
+
+
+def _waves(builder, name, joint, node):
+    """One harmonic or the sum of several."""
+    harmonics = getattr(joint.driver, joint.driver.kind)
+    (coordinate,) = joint.coordinates
+    unit = coordinate.position.unit
     waves, mean = harmonics.waves(), harmonics.mean_value()
     first = [builder.tables["n_wave"].add(wave_value=wave) for wave in waves][0]
-    drive = _add(builder, drives.HARMONIC, node, (mean,), at=first, terms=len(waves))
+    drive = _add(builder, Drive(drives.HARMONIC, node, (mean,), at=first, terms=len(waves)))
     about = f"mean of the motion of {name}"
-    builder.add_parameters(dotted(name, "driver", "mean"), "drive_value", drive, mean, unit, about, "fixed")
+    builder.add_parameters(
+        dotted(name, "driver", "mean"), Place("drive_value", drive), mean, unit, about, "fixed"
+    )
 
     for k, wave in enumerate(waves):
         ending = f"[{k + 1}]" if np.ndim(harmonics.frequency) else ""
@@ -141,30 +120,113 @@ def _add_waves(builder, name, harmonics, node, unit):
         for offset, (quantity, of) in enumerate((("amplitude", unit), ("frequency", "Hz"), ("phase", "rad"))):
             about = f"{quantity} of the motion of {name}"
             variable = dotted(name, "driver", quantity) + ending
-            builder.add_parameters(variable, "wave_value", first + k, wave[offset], of, about, "fixed", offset)
+            place = Place("wave_value", first + k, offset)
+            builder.add_parameters(variable, place, wave[offset], of, about, "fixed")
 
     return drive
 
 
+def _polynomial(builder, name, joint, node):
+    value = joint.driver.polynomial.values()
+    drive = _add(builder, Drive(drives.POLYNOMIAL, node, value, terms=len(value)))
+    (coordinate,) = joint.coordinates
+    units = [coordinate.position.unit, coordinate.rate.unit, acceleration_of(coordinate).unit]
+    units = (units + [None] * 16)[: len(value)]
+    about = f"coefficients of the powers of time of {name}, SI"
+    variable = dotted(name, "driver", "coefficients")
+    builder.add_parameters(variable, Place("drive_value", drive), value, units, about, "fixed")
+    return drive
+
+
+def _ramp(builder, name, joint, node):
+    value = joint.driver.ramp.values()
+    drive = _add(builder, Drive(drives.RAMP, node, value))
+    (coordinate,) = joint.coordinates
+    position = coordinate.position
+
+    for k, end in enumerate(("begin", "end")):
+        for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position.name, position.unit)):
+            about = f"{quantity} of {name} at the {'beginning' if k == 0 else 'end'} of its ramp"
+            variable = dotted(name, "driver", f"{quantity}_{end}")
+            builder.add_parameters(
+                variable, Place("drive_value", drive, offset), value[offset], of, about, "fixed"
+            )
+
+    return drive
+
+
+def _table(builder, name, joint, node):
+    table = joint.driver.table
+    return _add(
+        builder, Drive(drives.TABLE, node, at=builder.tables_over_time(table.interpolation, *table.points()))
+    )
+
+
+def _speed_table(builder, name, joint, node):
+    table = joint.driver.speed_table
+    at = builder.tables_over_time(table.interpolation, *table.points())
+    return _add(builder, Drive(drives.SPEED_TABLE, node, (joint.start_position()[0],), at=at))
+
+
+def _commands(builder, name, joint, node):
+    """What inputs tell of the motion."""
+    (coordinate,) = joint.coordinates
+    quantities = (coordinate.position, coordinate.rate, acceleration_of(coordinate))
+    told = len(joint.driver.commands())
+    names = [dotted(name, f"{quantity.name}_command") for quantity in quantities[:told]]
+    missing = [quantity.name for quantity in quantities[told:]]
+    starts = (joint.start_position, joint.start_velocity, lambda: [0.0])
+    nodes = builder.nodes_of(name)
+    inputs = [-1, -1, -1]
+
+    for k, (quantity, variable, start) in enumerate(zip(quantities, names, starts)):
+        about = f"{quantity.name} that {name} is driven to" + _belonging(names, variable, missing)
+        inputs[k] = builder.add_inputs(variable, quantity, about, nodes, moves=True, start=float(start()[0]))
+
+    return _add(builder, Drive(drives.INPUT, node, channels=((inputs, coordinate.position.unit == "rad"),)))
+
+
+JOINT_DRIVES = {
+    "constant_speed": _constant_speed,
+    "hold": _hold,
+    "harmonic": _waves,
+    "harmonics": _waves,
+    "polynomial": _polynomial,
+    "ramp": _ramp,
+    "table": _table,
+    "speed_table": _speed_table,
+    "input": _commands,
+}
+
+
+def _add_joint_drive(builder, name, joint, node):
+    """Index of a joint's drive; node: that it holds, or -1."""
+    return JOINT_DRIVES[joint.driver.kind](builder, name, joint, node)
+
+
+# of the ground
+
+
 def _add_ground(builder, motion, node):
+    """Index of the drive of the ground."""
     if motion.kind == "acceleration":
         value = [*motion.position, *motion.velocity, *motion.acceleration]
-        return _add(builder, drives.GROUND_ACCELERATION, node, value)
+        return _add(builder, Drive(drives.GROUND_ACCELERATION, node, value))
 
     if motion.kind == "rotation":
         turn = motion.rotation
         value = [*turn.direction(), *turn.point, turn.speed_value(), turn.angle_value()]
-        return _add(builder, drives.GROUND_ROTATION, node, value)
+        return _add(builder, Drive(drives.GROUND_ROTATION, node, value))
 
     if motion.kind == "orbit":
         orbit = motion.orbit
         value = [*orbit.axes().ravel(), orbit.radius, orbit.rate, orbit.phase_value(), float(orbit.pointing)]
-        return _add(builder, drives.GROUND_ORBIT, node, value)
+        return _add(builder, Drive(drives.GROUND_ORBIT, node, value))
 
     if motion.kind == "table":
         time, position, E = motion.table.points()
         table = builder.tables_over_time(motion.table.interpolation, time, np.hstack([position, E]))
-        return _add(builder, drives.GROUND_TABLE, node, at=table)
+        return _add(builder, Drive(drives.GROUND_TABLE, node, at=table))
 
     return _add_ground_inputs(builder, motion.commands(), node)
 
@@ -172,7 +234,8 @@ def _add_ground(builder, motion, node):
 def _add_ground_inputs(builder, told, node):
     """The drive of a ground that inputs command; `told`: what they tell of its motion."""
     of_place, of_turn = (
-        [quantity for quantity in GROUND_INPUTS if (quantity in GROUND_PLACE) == place] for place in (True, False)
+        [quantity for quantity in GROUND_INPUTS if (quantity in GROUND_PLACE) == place]
+        for place in (True, False)
     )
     first = {}
 
@@ -185,7 +248,7 @@ def _add_ground_inputs(builder, told, node):
         variable = dotted("ground", quantity)
         about = f"{told_of.text} of the ground in the inertial frame" + _belonging(names, variable, missing)
         start = (0.0, 0.0, 0.0, 1.0) if quantity == "euler_parameters" else 0.0
-        first[quantity] = builder.add_inputs(variable, told_of.shape, told_of.unit, about, [node], moves=True, start=start)
+        first[quantity] = builder.add_inputs(variable, told_of, about, [node], moves=True, start=start)
 
     def channels(quantities, n):
         return [[first[q] + k if q in first else -1 for q in quantities] for k in range(n)]
@@ -201,75 +264,4 @@ def _add_ground_inputs(builder, told, node):
         found += [(u, False) for u in (with_omega if "omega" in first else lone)]
         builder.counts["n_attitude"] = int("omega" in first)
 
-    return _add(builder, drives.GROUND_INPUT, node, channels=found, turn=turn)
-
-
-def drive_constraints(builder):
-    """Constraints of driven joints that close loops: one row on the joint's coordinate each."""
-    return [
-        _coordinate_constraint(builder, name, [builder.coordinate(name), -1], (1.0, 0.0), drive=drive)
-        for name, drive in builder.driven_cuts.items()
-    ]
-
-
-def coupling_constraints(builder):
-    """Couplings, and coordinates that follow others in their own joint, as those of screws."""
-    constraints = []
-
-    for name, coupling in builder.scene.coupling.items():
-        first, second = coupling.between
-        pair = [builder.coordinate(first), builder.coordinate(second)]
-        at_start = coupling.offset is None
-        constraints.append(
-            _coordinate_constraint(builder, name, pair, (coupling.ratio, -1.0), coupling.offset or 0.0, at_start=at_start)
-        )
-
-    for name, joint in builder.scene.joint.items():
-        for k, (other, ratio) in kind_of(joint).led(joint).items():
-            pair = [builder.coordinate(name, k), builder.coordinate(name, other)]
-            constraints.append(_coordinate_constraint(builder, name, pair, (1.0, -ratio)))
-
-    return constraints
-
-
-def add_coupling_outputs(builder):
-    """Efforts of couplings in their two joints, once the rows are known."""
-    columns = builder.tables["n_constraint"].columns
-
-    for name, coupling in builder.scene.coupling.items():
-        for output in coupling.output:
-            c = next(c for c, owner in enumerate(builder.constraint_names) if owner == name)
-            row = int(columns["constraint_row"][c][0])
-
-            for side, joint in enumerate(coupling.between):
-                _, unit = units_along(builder.scene.joint[joint])
-                about = f"{COUPLING_OUTPUTS[output].text} of {name} on the second marker of {joint}"
-                variable = f"{dotted(name, output)}[{side + 1}]"
-                source = Source(outputs.COUPLING_EFFORT, row, side)
-                builder.add_outputs(variable, source, unit, about, builder.constraint_nodes[c])
-
-
-def _coordinate_constraint(builder, name, pair, factors, offset=0.0, **more):
-    """A constraint of one row on one or two joint coordinates; `more` of it."""
-    markers, nodes = [], []
-    columns = builder.tables["n_coordinate"].columns
-
-    for k in pair:
-        here = [0, 0] if k >= 0 else [-1, -1]
-
-        if k >= 0:
-            body = int(columns["coordinate_body"][k][0])
-
-            if body > 0:
-                nodes.append(body)
-            else:
-                here = [int(columns[name][k][0]) for name in ("coordinate_from", "coordinate_to")]
-                nodes += [builder.marker_node(marker) for marker in here]
-
-        markers += here
-
-    # a second coordinate in the tree has no markers
-    if markers[2:] == [0, 0]:
-        markers[2:] = [-1, -1]
-
-    return Constraint(name, tuple(markers), nodes, [(rows.COUPLING, *pair)], factors, offset, **more)
+    return _add(builder, Drive(drives.GROUND_INPUT, node, channels=tuple(found), turn=turn))

@@ -5,11 +5,14 @@ import numpy as np
 from ..kernels import outputs
 from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
 from ..vectors import norm
-from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_OUTPUTS
-from .builder import Source
+from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS
+from .builder import Place, Source
 from .elastic import elastic_table
 from .start import start_pose
 from .variables import dotted
+
+# no stiffness, damping, added mass; a row of it: no preload
+NONE = np.zeros((6, 6))
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
@@ -39,24 +42,10 @@ def add_forces(builder):
     for name, force in builder.scene.force.items():
         ends = [builder.marker(end) for end in force.between]
         builder.force_nodes.append([builder.marker_node(end) for end in ends])
+        ELEMENTS[force.kind](builder, name, force, ends)
 
-        if force.kind == "linear":
-            spec = force.linear
-            row = _add_linear(builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector(), AXES[spec.axes])
-            _add_linear_outputs(builder, name, force, row, *ends)
-        elif force.kind == "bushing":
-            row = _add_linear(builder, name, force.bushing, ends, np.zeros((6, 6)), np.zeros(6))
-            _add_linear_outputs(builder, name, force, row, *ends)
-        elif force.kind == "load":
-            row = _add_load(builder, name, force.load, *ends)
-            nodes = [builder.node_of(force.on)]
 
-            for output in force.output:
-                quantity = LOAD_OUTPUTS[output]
-                about = f"{quantity.text} of {name} on the bodies"
-                builder.add_outputs(dotted(name, output), Source(outputs.LOAD_POWER, row), quantity.unit, about, nodes)
-        else:
-            _add_strut(builder, name, force, ends)
+# of each kind: the builder, the element's name and table, its markers
 
 
 def _add_strut(builder, name, force, ends):
@@ -76,7 +65,8 @@ def _add_strut(builder, name, force, ends):
         damper_table, _ = elastic_table(builder, spec.damping.table)
 
     if force.input:
-        u = builder.add_inputs(dotted(name, "force"), (), "N", f"force of {name} beside its spring, tension positive", nodes)
+        about = f"{STRUT_INPUT.text} of {name} beside its spring, tension positive"
+        u = builder.add_inputs(dotted(name, STRUT_INPUT.name), STRUT_INPUT, about, nodes)
 
     slack = rest is None
 
@@ -99,22 +89,43 @@ def _add_strut(builder, name, force, ends):
 
     if linear:
         about = f"stiffness of {name}"
-        builder.add_parameters(dotted(name, "stiffness"), "strut_stiffness", row, stiffness, "N/m", about)
-        about = f"length of {name} without force" + "; left as it is, the length at the start of the run" * slack
-        builder.add_parameters(dotted(name, "rest_length"), "strut_rest", row, rest, "m", about)
+        builder.add_parameters(
+            dotted(name, "stiffness"), Place("strut_stiffness", row), stiffness, "N/m", about
+        )
+        about = (
+            f"length of {name} without force" + "; left as it is, the length at the start of the run" * slack
+        )
+        builder.add_parameters(dotted(name, "rest_length"), Place("strut_rest", row), rest, "m", about)
 
     if damper_table < 0:
         about = f"damping of {name}"
-        builder.add_parameters(dotted(name, "damping"), "strut_damping", row, damping, "N.s/m", about)
+        builder.add_parameters(dotted(name, "damping"), Place("strut_damping", row), damping, "N.s/m", about)
 
     for output in force.output:
         quantity = STRUT_OUTPUTS[output]
         fed_by = [u] if output in FED_BY_INPUT and force.input else []
         source = Source(STRUT_KINDS[output], row)
-        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{quantity.text} of {name}", nodes, fed_by)
+        builder.add_outputs(
+            dotted(name, output), source, quantity.unit, f"{quantity.text} of {name}", nodes, fed_by
+        )
 
 
-def _add_linear(builder, name, spec, ends, added, preload, axes=FIRST):
+def _add_linear(builder, name, force, ends):
+    """A linear force: a 6x6 force, also with added mass and a preload."""
+    spec = force.linear
+    row = _add_six_by_six(
+        builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector(), AXES[spec.axes]
+    )
+    _add_six_by_six_outputs(builder, name, force, row, ends)
+
+
+def _add_bushing(builder, name, force, ends):
+    """A bushing: a 6x6 force without these."""
+    row = _add_six_by_six(builder, name, force.bushing, ends)
+    _add_six_by_six_outputs(builder, name, force, row, ends)
+
+
+def _add_six_by_six(builder, name, spec, ends, added=NONE, preload=NONE[0], axes=FIRST):
     """A 6x6 force; returns its row."""
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
@@ -138,28 +149,29 @@ def _add_linear(builder, name, spec, ends, added, preload, axes=FIRST):
         if np.any(matrix):
             unit = [units[2 * (j > 2) + (k > 2)] for j in range(6) for k in range(6)]
             about = f"{quantity.replace('_', ' ')} of {name} (x, y, z, rx, ry, rz)"
-            builder.add_parameters(dotted(name, quantity), array, row, matrix, unit, about)
+            builder.add_parameters(dotted(name, quantity), Place(array, row), matrix, unit, about)
 
     if np.any(preload):
         about = f"constant force and moment of {name}"
         builder.add_parameters(
-            dotted(name, "preload"), "linear_preload", row, preload, ["N"] * 3 + ["N.m"] * 3, about
+            dotted(name, "preload"), Place("linear_preload", row), preload, ["N"] * 3 + ["N.m"] * 3, about
         )
 
     return row
 
 
-def _add_linear_outputs(builder, name, force, row, first, second):
+def _add_six_by_six_outputs(builder, name, force, row, ends):
     nodes = [builder.node_of(end) for end in force.between]
 
     for output in force.output:
         quantity = SIX_BY_SIX_OUTPUTS[output]
-        source = Source(SIX_BY_SIX_KINDS[output], *((first, second) if output == "displacement" else (row,)))
+        source = Source(SIX_BY_SIX_KINDS[output], *(ends if output == "displacement" else (row,)))
         builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
 
 
-def _add_load(builder, name, spec, marker):
-    """A wrench on a marker, constant or over time; returns its row."""
+def _add_load(builder, name, load, ends):
+    """A wrench on a marker, constant or over time."""
+    spec, (marker,) = load.load, ends
     force, moment = spec.force_vector(), spec.moment_vector()
     tables = {"force": -1, "moment": -1}
 
@@ -182,6 +194,16 @@ def _add_load(builder, name, spec, marker):
     for quantity, value, unit in (("force", force, "N"), ("moment", moment, "N.m")):
         if getattr(spec, quantity) is not None:
             about = f"{quantity} of {name}, in {'its own' if spec.axes == 'body' else 'inertial'} axes"
-            builder.add_parameters(dotted(name, quantity), f"load_{quantity}", row, value, unit, about)
+            builder.add_parameters(dotted(name, quantity), Place(f"load_{quantity}", row), value, unit, about)
 
-    return row
+    nodes = [builder.node_of(load.on)]
+
+    for output in load.output:
+        quantity = LOAD_OUTPUTS[output]
+        about = f"{quantity.text} of {name} on the bodies"
+        builder.add_outputs(
+            dotted(name, output), Source(outputs.LOAD_POWER, row), quantity.unit, about, nodes
+        )
+
+
+ELEMENTS = {"spring_damper": _add_strut, "linear": _add_linear, "bushing": _add_bushing, "load": _add_load}

@@ -1,9 +1,8 @@
 """How joints start: start values as parameters, and what of them is told where it cannot be kept."""
 
-import numpy as np
-
 from ..kernels import notes
 from ..scene.starts import ENDINGS
+from .builder import Place, Told
 from .joint_kinds import kind_of, led_too, scalars
 from .start import start_position
 from .variables import dotted
@@ -41,11 +40,12 @@ def add_start(builder, name, joint):
         ):
             variable = dotted(name, f"{quantity.name}_start") + ending
             builder.add_start(
-                variable, array, at, value, quantity.unit, f"{quantity.text} of {name} at the start", i
+                variable, Place(array, at), value, quantity.unit, f"{quantity.text} of {name} at the start", i
             )
 
 
 def _add_pose_start(builder, name, joint, i):
+    """The same of a spherical or free joint; i: its node."""
     q, v = joint.start_position(), joint.start_velocity()
     builder.single["q_start"][builder.q[i] : builder.q[i] + len(q)] = q
     builder.single["v_start"][builder.v[i] : builder.v[i] + len(v)] = v
@@ -60,7 +60,12 @@ def _add_pose_start(builder, name, joint, i):
             about = f"{quantity.text.rstrip(',')} of {name} at the start"
             size = quantity.width
             builder.add_start(
-                dotted(name, f"{quantity.name}_start"), array, at, values[:size], quantity.unit, about, i
+                dotted(name, f"{quantity.name}_start"),
+                Place(array, at),
+                values[:size],
+                quantity.unit,
+                about,
+                i,
             )
 
             if quantity.name == "euler_parameters":
@@ -89,20 +94,19 @@ def tell_start(builder, name, joint):
             if ending is None or k in led:
                 continue
 
-            place = _told_name(builder, coordinate[which].name + index, name, ending)
-
             if in_tree:
-                kind, at = (notes.POSITION, notes.SPEED)[which], builder.joint_nodes[name][k]
+                told = Told((notes.POSITION, notes.SPEED)[which], builder.joint_nodes[name][k])
             else:
-                kind, at = (notes.COORDINATE, notes.RATE)[which], builder.coordinate(name, k)
+                told = Told((notes.COORDINATE, notes.RATE)[which], builder.coordinate(name, k))
 
-            _add_told(builder, kind, at, 0, place, ENDINGS[ending], values[k])
+            text = _told_name(coordinate[which].name + index, name, ending)
+            builder.tell(told, text, values[k], ENDINGS[ending])
 
 
 def _tell_pose(builder, name, joint):
     """The same of a spherical or free joint."""
-    in_tree = name in builder.joint_nodes
     ends = [builder.marker(end) for end in joint.between]
+    node = builder.joint_nodes[name][0] if name in builder.joint_nodes else None
     q, v = joint.start_position(), joint.start_velocity()
     A = joint.start.rotation()
 
@@ -117,37 +121,21 @@ def _tell_pose(builder, name, joint):
             if ending is None or (quantity == "orientation" and k > len(written) - 3):
                 continue
 
-            kind = TOLD[quantity][not in_tree]
-            value = values[-4:] if quantity == "orientation" else values[k]
-            unit = ENDINGS["_deg"] if quantity == "orientation" else 1.0
+            kind = TOLD[quantity][node is None]
+            text, value, unit = f"{quantity}[{k % 3 + 1}]", values[k], 1.0
 
-            if quantity == "omega" and ending == "_body":
+            if quantity == "orientation":
+                text, value, unit = quantity, values[-4:], ENDINGS["_deg"]
+            elif quantity == "omega" and ending == "_body":
                 value = A.inv().apply(v[-3:])[k % 3]
-                kind = kind if in_tree else notes.MARKER_OMEGA_BODY
+                kind = notes.MARKER_OMEGA_BODY if node is None else kind
 
-            text = quantity if quantity == "orientation" else f"{quantity}[{k % 3 + 1}]"
-            place = _told_name(builder, text, name, "")
-            at = builder.joint_nodes[name][0] if in_tree else ends[0]
-            _add_told(builder, kind, at, k % 3, place, unit, value, -1 if in_tree else ends[1])
+            told = Told(kind, *ends, k % 3) if node is None else Told(kind, node, component=k % 3)
+            builder.tell(told, _told_name(text, name, ""), value, unit)
 
 
-def _told_name(builder, quantity, joint, ending):
-    """Index of what a message calls a start value."""
+def _told_name(quantity, joint, ending):
+    """What a message calls a start value."""
     unit = {"_deg": " in deg", "_rpm": " in rpm"}.get(ending, "")
     unit = " in deg/s" if ending == "_deg" and "speed" in quantity else unit
-    return builder.name(f"the {quantity.replace('_', ' ')} of {joint}{unit}")
-
-
-def _add_told(builder, kind, at, component, place, unit, value, to=-1):
-    """One row of the start values that are told when they cannot be kept; `value`: SI, of an orientation E."""
-    values = np.zeros(4)
-    values[: np.size(value)] = value
-    builder.tables["n_told"].add(
-        told_kind=kind,
-        told_at=at,
-        told_to=to,
-        told_component=component,
-        told_place=place,
-        told_unit=unit,
-        told_value=values,
-    )
+    return f"the {quantity.replace('_', ' ')} of {joint}{unit}"

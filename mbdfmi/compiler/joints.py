@@ -5,7 +5,7 @@ import numpy as np
 from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
-from .builder import Source
+from .builder import Place, Source
 from .contacts import add_contact_outputs
 from .elastic import elastic_table
 from .joint_kinds import kind_of, scalars, units_along
@@ -84,15 +84,15 @@ def _add_spring(builder, name, joint):
     if linear:
         about = f"stiffness of {name}"
         builder.add_parameters(
-            dotted(name, "stiffness"), "joint_stiffness", row, stiffness, f"{effort}/{unit}", about
+            dotted(name, "stiffness"), Place("joint_stiffness", row), stiffness, f"{effort}/{unit}", about
         )
         about = f"position of {name} at which its spring is slack"
-        builder.add_parameters(dotted(name, "rest"), "joint_rest", row, rest, unit, about)
+        builder.add_parameters(dotted(name, "rest"), Place("joint_rest", row), rest, unit, about)
 
     if damping:
         about = f"damping of {name}"
         builder.add_parameters(
-            dotted(name, "damper"), "joint_damping", row, damping, f"{effort}.s/{unit}", about
+            dotted(name, "damper"), Place("joint_damping", row), damping, f"{effort}.s/{unit}", about
         )
 
     return row
@@ -121,7 +121,7 @@ def _add_friction(builder, name, joint):
     for key, (value, unit, about) in values.items():
         array = f"friction_{key.removesuffix('_speed')}"
         builder.add_parameters(
-            dotted(name, "friction", key), array, row, value, unit, f"friction of {name}: {about}"
+            dotted(name, "friction", key), Place(array, row), value, unit, f"friction of {name}: {about}"
         )
 
     return row
@@ -148,7 +148,7 @@ def _add_stop(builder, name, joint):
     for key, (value, unit, about) in values.items():
         if np.isfinite(value):
             builder.add_parameters(
-                dotted(name, "stop", key), f"stop_{key}", row, value, unit, f"stop of {name}: {about}"
+                dotted(name, "stop", key), Place(f"stop_{key}", row), value, unit, f"stop of {name}: {about}"
             )
 
     return row
@@ -167,9 +167,7 @@ def _add_inputs(builder, name, joint, parts):
 
         if kind_of(joint).is_pose:
             first, second = map(builder.marker, joint.between)
-            u = builder.add_inputs(
-                variable, effort.shape, effort.unit, f"{about}, in its first marker's axes", nodes
-            )
+            u = builder.add_inputs(variable, effort, f"{about}, in its first marker's axes", nodes)
             builder.torque_inputs[name] = builder.tables["n_wrench_input"].add(
                 wrench_marker=second,
                 wrench_reaction=first,
@@ -179,7 +177,7 @@ def _add_inputs(builder, name, joint, parts):
             )
             continue
 
-        u = builder.add_inputs(variable, effort.shape, effort.unit, about, nodes)
+        u = builder.add_inputs(variable, effort, about, nodes)
         k = [scalar.coordinate.effort for scalar in scalars(joint)].index(effort)
         parts["input"] = builder.tables["n_effort_input"].add(
             effort_coordinate=builder.coordinate(name, k), effort_u=u

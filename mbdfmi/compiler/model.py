@@ -28,7 +28,8 @@ from .bodies import (
 from .builder import Builder
 from .constraints import add_constraints
 from .contacts import add_contacts
-from .drives import add_coupling_outputs, add_drives
+from .couplings import add_coupling_outputs
+from .drives import add_drives
 from .forces import add_forces
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -80,7 +81,11 @@ class Model:
 
     def views(self, reals=None):
         """(m, d) of a run: the kernels' views of new buffers, inputs at their start values; `reals`: parameters (a copy)."""
-        state, work, u = np.zeros(self.n_state), np.zeros(self.n_work), np.zeros(N_DERIVATIVE * max(1, self.n_u))
+        state, work, u = (
+            np.zeros(self.n_state),
+            np.zeros(self.n_work),
+            np.zeros(N_DERIVATIVE * max(1, self.n_u)),
+        )
         u[: self.n_u] = [v.start for v in self.of_causality("input")]
         m = ModelView(ints=self.ints, reals=self.reals.copy() if reals is None else reals)
         return m, DataView(ints=self.ints, state=state, work=work, u=u)
@@ -129,48 +134,17 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
 
 
 def _assemble(builder):
-    """All collected rows as flat arrays."""
+    """The model of all that was collected."""
     scene = builder.scene
-    counts = {name: table.length for name, table in builder.tables.items()}
-    counts |= builder.counts
-    n_s = len(builder.single["s_start"])
-    counts |= {
-        "n_q": builder.n_q,
-        "n_v": builder.n_v,
-        "n_s": n_s,
-        "n_z": n_s + counts["n_turn"],
-        "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
-        "n_u": len(builder.inputs),
-        "n_y": len(builder.outputs),
-        "output_needs": outputs.needs([output.kind for output in builder.outputs]),
-        "embeds": int(builder.embeds),
-        "n_mass": builder.n_v**2 if builder.embeds else 0,
-        "integrator": integrate.INTEGRATORS[scene.solver.integrator],
-    }
-    rows, implicit = integrate.memory(scene.solver.integrator, counts["n_x"])
-    counts |= {
-        "n_dense": rows * counts["n_x"],
-        "n_jacobian": implicit * counts["n_x"] ** 2,
-        "n_swap": implicit * counts["n_x"],
-    }
+    counts = _counts(builder)
     add_work_limit(builder, counts)
     header, length = layout.arrange(counts)
+    offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
+    places = [node.name for node in builder.nodes] + builder.constraint_names + builder.loop_hints
+    values = _values(builder, len(places))
+    places += builder.names
     buffers = {"ints": np.zeros(length["ints"], np.int64), "reals": np.zeros(length["reals"])}
     buffers["ints"][: len(header)] = header
-    values = dict(builder.single)
-
-    for table in builder.tables.values():
-        values |= {name: np.concatenate(column) for name, column in table.columns.items()}
-
-    places = [node.name for node in builder.nodes] + builder.constraint_names + builder.loop_hints
-    values["scene_length"] = _scene_length(builder, values)
-
-    for name in ("told_place", "stop_place"):
-        values[name] = np.asarray(values.get(name, ())) + len(places)
-
-    places += builder.names
-    values["body_added"] = _bodies_with_added_mass(values, len(builder.nodes))
-    offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
 
     for row in layout.ARRAYS:
         size = layout.row_length(row, counts)
@@ -178,7 +152,6 @@ def _assemble(builder):
         if row.buffer in buffers and size:
             buffers[row.buffer][offset[row.name] : offset[row.name] + size] = np.ravel(values[row.name])
 
-    variables = builder.list_variables(offset)
     model = Model(
         scene=scene,
         name=scene.name,
@@ -190,7 +163,7 @@ def _assemble(builder):
         n_work=length["work"],
         n_u=counts["n_u"],
         n_y=counts["n_y"],
-        variables=variables,
+        variables=builder.list_variables(offset),
         places=places,
         tree=builder.tree,
         coordinates=builder.coordinates,
@@ -200,7 +173,49 @@ def _assemble(builder):
     return replace(model, guid=_guid(model))
 
 
-def _scene_length(builder, values):
+def _counts(builder):
+    """All counts of the layout: lengths of tables and what else is counted, by name."""
+    counts = {name: table.length for name, table in builder.tables.items()}
+    counts |= builder.counts
+    n_s = len(builder.single["s_start"])
+    integrator = builder.scene.solver.integrator
+    counts |= {
+        "n_q": builder.n_q,
+        "n_v": builder.n_v,
+        "n_s": n_s,
+        "n_z": n_s + counts["n_turn"],
+        "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
+        "n_u": len(builder.inputs),
+        "n_y": len(builder.outputs),
+        "output_needs": outputs.needs([output.kind for output in builder.outputs]),
+        "embeds": int(builder.embeds),
+        "n_mass": builder.n_v**2 if builder.embeds else 0,
+        "integrator": integrate.INTEGRATORS[integrator],
+    }
+    rows, implicit = integrate.memory(integrator, counts["n_x"])
+    return counts | {
+        "n_dense": rows * counts["n_x"],
+        "n_jacobian": implicit * counts["n_x"] ** 2,
+        "n_swap": implicit * counts["n_x"],
+    }
+
+
+def _values(builder, first_name):
+    """What stands in the arrays, by name; first_name : place of the builder's first name among those that messages point to."""
+    values = dict(builder.single)
+
+    for table in builder.tables.values():
+        values |= {name: np.concatenate(column) for name, column in table.columns.items()}
+
+    for name in ("told_place", "stop_place"):
+        values[name] = np.asarray(values.get(name, ())) + first_name
+
+    values["scene_length"] = _scene_length(values)
+    values["body_added"] = _bodies_with_added_mass(values, len(builder.nodes))
+    return values
+
+
+def _scene_length(values):
     """m, size of the parts: mean distance of markers, and of joints on their parents, from their nodes' origins."""
     arms = np.reshape(np.concatenate([values["marker_r"], values["body_r"]]), (-1, 3))
     lengths = np.linalg.norm(arms, axis=1)
@@ -229,7 +244,15 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
     """What the GUID is made of, little endian, as it lies in an FMU: (7 sizes, the numbers and a digest of what is told
     of the variables); see fmu_src/resource.h."""
     parameters = model.of_causality("parameter")
-    sizes = (len(model.ints), len(model.reals), model.n_state, model.n_work, model.n_u, model.n_y, len(parameters))
+    sizes = (
+        len(model.ints),
+        len(model.reals),
+        model.n_state,
+        model.n_work,
+        model.n_u,
+        model.n_y,
+        len(parameters),
+    )
     numbers = (
         model.ints.astype("<i8"),
         model.reals.astype("<f8"),

@@ -42,7 +42,9 @@ def coupled_angles(scene):
     """Angles (rad) at the start of revolute joints that their drivers tell, or, without a start of their own, couplings:
     (joint, 0) -> rad.
     """
-    held = {name: joint for name, joint in scene.joint.items() if kind_of(joint).is_one_axis and _tells(joint)}
+    held = {
+        name: joint for name, joint in scene.joint.items() if kind_of(joint).is_one_axis and _tells(joint)
+    }
     known = {name: start_position(joint) for name, joint in held.items()}
     links = [(*c.between, c.ratio, c.offset) for c in scene.coupling.values() if c.offset is not None]
 
@@ -101,7 +103,9 @@ def _ground_pose(motion):
     if motion.kind == "table":
         time, position, E = motion.table.points()
         now = np.clip(0.0, time[0], time[-1])
-        r, E = np.split([curve(motion.table.interpolation, time, y)(now) for y in np.hstack([position, E]).T], [3])
+        r, E = np.split(
+            [curve(motion.table.interpolation, time, y)(now) for y in np.hstack([position, E]).T], [3]
+        )
         return r, Rotation.from_quat(E).as_matrix()
 
     return IDENTITY

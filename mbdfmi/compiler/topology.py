@@ -78,26 +78,9 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
         for name, joint in scene.joint.items()
         if kind_of(joint).in_trees and not is_weld(joint)
     }
-
-    # Kruskal's algorithm on groups
-    leader = list(range(len(welded)))
-    leader[group_of["ground"]] = 0
-
-    def find(k):
-        while leader[k] != k:
-            k = leader[k]
-
-        return k
-
+    order = sorted(ends, key=lambda name: (name not in first, *_preference(scene.joint[name])))
+    chosen = _chosen(order, ends, len(welded), group_of["ground"])
     joints_at = [[] for _ in welded]
-    chosen = set()
-
-    for name in sorted(ends, key=lambda name: (name not in first, *_preference(scene.joint[name]))):
-        a, b = ends[name]
-
-        if find(a) != find(b):
-            leader[max(find(a), find(b))] = min(find(a), find(b))
-            chosen.add(name)
 
     for name in ends:
         if name in chosen:
@@ -124,6 +107,28 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
         stack += [(at, *rest) for rest in reversed(joints_at[group]) if rest[0] != name]
 
     return tree
+
+
+def _chosen(order, ends, n_group, ground):
+    """Joints of the spanning tree by Kruskal's algorithm on groups of bodies; `order`: those that come first are preferred."""
+    leader = list(range(n_group))
+    leader[ground] = 0
+    chosen = set()
+
+    def find(k):
+        while leader[k] != k:
+            k = leader[k]
+
+        return k
+
+    for name in order:
+        a, b = map(find, ends[name])
+
+        if a != b:
+            leader[max(a, b)] = min(a, b)
+            chosen.add(name)
+
+    return chosen
 
 
 def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
