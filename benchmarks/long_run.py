@@ -21,7 +21,6 @@ from mbdfmi.files import replacing
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.language import kernel
 from mbdfmi.kernels.status import OK
-from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance, explain
 
 from .machine import machine
@@ -224,7 +223,7 @@ def run_long(
     progress : called with the fraction done and what comes next.
     """
     progress = progress or (lambda fraction, text: None)
-    names = [name for name in steppers or STEPPERS if STEPPERS[name][0] in INTEGRATORS]
+    names = list(steppers or STEPPERS)
     runs = [(orbit(), name) for orbit in ORBITS for name in names]
     rows = []
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbdfmi import Scene
+from mbdfmi import Scene, steppers
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import entry
 from mbdfmi.kernels.status import OK
@@ -47,16 +47,7 @@ class Stepper:
         return OurRun(scene, problem.times)
 
 
-# the one list of our steppers: a new integrator is a new line here
-STEPPERS = (
-    Stepper("auto", "rk853, and radau while the motion is stiff"),
-    Stepper("rk853", "explicit Runge-Kutta pair of order 8(5,3), adaptive"),
-    Stepper("rk54", "explicit Runge-Kutta pair of order 5(4), adaptive"),
-    Stepper("radau", "Radau IIA method of order 5, implicit, adaptive"),
-    Stepper("rk4", "classical Runge-Kutta method of order 4, explicit, fixed step", fixed=True),
-    Stepper("gauss", "Gauss method of order 8, implicit and symmetric, fixed step", fixed=True),
-    Stepper("ros2", "linearly implicit method of order 2, fixed step", fixed=True),
-)
+STEPPERS = tuple(Stepper(record.name, record.words, record.fixed) for record in steppers.STEPPERS.values())
 
 
 class OurRun:

@@ -219,32 +219,3 @@ SOLVER_OUTPUTS = table(
         "estimated_error", words="estimated local errors of the inner steps since the start, summed; relative"
     ),
 )
-
-# steppers
-
-
-class Stepper(NamedTuple):
-    """A way to advance time, in words; `fixed`: by steps of one length."""
-
-    name: str
-    fixed: bool
-    words: str
-
-
-STEPPERS = (
-    Stepper(
-        "auto",
-        False,
-        "Embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is "
-        "stiff, the implicit Radau IIA method of order 5",
-    ),
-    Stepper("rk54", False, "Embedded Runge-Kutta pair of order 5(4)"),
-    Stepper("rk853", False, "Embedded Runge-Kutta pair of order 8(5,3)"),
-    Stepper("radau", False, "Implicit Radau IIA method of order 5"),
-    Stepper("rk4", True, "Classical Runge-Kutta method of order 4"),
-    Stepper("ros2", True, "Linearly implicit method of order 2"),
-    Stepper("gauss", True, "Gauss collocation of order 8"),
-)
-ADAPTIVE = tuple(stepper.name for stepper in STEPPERS if not stepper.fixed)
-FIXED_STEP = tuple(stepper.name for stepper in STEPPERS if stepper.fixed)
-METHODS = {stepper.name: stepper.words for stepper in STEPPERS}

@@ -8,7 +8,7 @@ from test_closed_forms import bars
 from test_integrate import instance_of
 from test_steppers import oscillator
 
-from mbdfmi.kernels.steppers import gauss, implicit, tableaux
+from mbdfmi.kernels.steppers import gauss, radau, tableaux
 
 EXPLICIT = ["rk853", "rk54", "auto"]
 
@@ -65,19 +65,19 @@ def test_the_gaps_of_an_extension_vanish_to_order_6_and_no_further():
 
 def test_radau_constants_are_those_of_collocation():
     """A c^k = c^(k+1) / (k + 1) for k < 3, the last node's row integrates t^k to k = 4; A^-1 T = T times the eigenvalues."""
-    c = implicit.NODES
+    c = radau.NODES
     k = np.arange(3)
     A = (c[:, None] ** (k + 1) / (k + 1)) @ np.linalg.inv(c[:, None] ** k)
     eigenvalues = np.zeros((3, 3))
-    eigenvalues[0, 0] = implicit.MU
-    eigenvalues[1:, 1:] = [[implicit.MU_RE, -implicit.MU_IM], [implicit.MU_IM, implicit.MU_RE]]
+    eigenvalues[0, 0] = radau.MU
+    eigenvalues[1:, 1:] = [[radau.MU_RE, -radau.MU_IM], [radau.MU_IM, radau.MU_RE]]
     assert [A[2] @ c**j for j in range(5)] == pytest.approx([1 / (j + 1) for j in range(5)], abs=1e-15)
-    assert A @ implicit.T @ eigenvalues == pytest.approx(implicit.T, abs=2e-15)
-    assert pytest.approx(np.eye(3), abs=2e-15) == implicit.T @ implicit.T_INVERSE
+    assert A @ radau.T @ eigenvalues == pytest.approx(radau.T, abs=2e-15)
+    assert pytest.approx(np.eye(3), abs=2e-15) == radau.T @ radau.T_INVERSE
 
     # the estimate vanishes for x' = 1, t: gamma (x' + sum of e_i Z_i / h), Z = c and c^2 / 2
-    assert implicit.ERROR @ c == pytest.approx(-1, abs=4e-15)
-    assert implicit.ERROR @ c**2 == pytest.approx(0, abs=4e-15)
+    assert radau.ERROR @ c == pytest.approx(-1, abs=4e-15)
+    assert radau.ERROR @ c**2 == pytest.approx(0, abs=4e-15)
 
 
 def test_gauss_constants_are_those_of_collocation():

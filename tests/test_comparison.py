@@ -10,7 +10,7 @@ import mbdfmi
 from mbdfmi import cli
 from mbdfmi.analysis import comparison
 from mbdfmi.analysis.comparison import Comparison, Run, Setting, compare_steppers, short
-from mbdfmi.vocabulary import ADAPTIVE, FIXED_STEP
+from mbdfmi.steppers import ADAPTIVE, FIXED_STEP
 
 OMEGA = 3.0  # rad/s
 START = 0.4  # m

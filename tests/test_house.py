@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "mbdfmi"
 
 FLOORS = (
-    ("vocabulary", "units", "files", "vectors"),
+    ("vocabulary", "steppers", "units", "files", "vectors"),
     ("scene", "kernels"),
     ("compiler",),
     ("run",),
@@ -86,6 +86,11 @@ def test_every_room_has_its_floor():
     assert {room(module) for module in modules()} - {name for floor in FLOORS for name in floor} == set()
 
 
+def test_the_hash_of_the_kernels_sees_all_that_they_import():
+    outside = {target for module, found in imports().items() if room(module) == "kernels" for target in found}
+    assert {target for target in outside if room(target) != "kernels"} == set(language.OUTSIDE)
+
+
 def test_a_room_imports_from_rooms_below_it_alone():
     height = {name: k for k, floor in enumerate(FLOORS) for name in floor}
     wrong = [
@@ -146,6 +151,7 @@ def test_no_source_file_is_too_long():
 def test_the_hash_of_the_kernels_sees_every_file(monkeypatch, tmp_path, place):
     """Compiled kernels are kept by it: a change that it misses would leave old ones in use."""
     monkeypatch.setattr(language, "__file__", str(tmp_path / "language.py"))
+    monkeypatch.setattr(language, "OUTSIDE", ())
 
     def digest():
         return language.source_hash.__wrapped__()

@@ -7,7 +7,6 @@ from mbdfmi.compiler import bodies, forces, joints
 from mbdfmi.compiler.joint_kinds import JOINT_KINDS, kind_of, scalars
 from mbdfmi.kernels import outputs
 from mbdfmi.kernels.joints import KINDS, N_Q, N_V
-from mbdfmi.kernels.steppers import integrate
 from mbdfmi.scene import joints as joint_classes
 from mbdfmi.scene.constraints import CONSTRAINTS
 from mbdfmi.scene.contacts import CONTACTS
@@ -78,7 +77,3 @@ def test_a_joint_names_the_coordinates_that_its_motions_have(cls):
 def test_what_only_constrains_has_no_coordinates(cls):
     assert cls.coordinates == ()
     assert not kind_of(cls).in_trees
-
-
-def test_steppers_are_those_of_the_kernels():
-    assert {stepper.name for stepper in vocabulary.STEPPERS} == set(integrate.INTEGRATORS)

@@ -21,7 +21,7 @@ from ..run.results import Results
 from ..run.simulate import communication_points
 from ..scene import SceneData, Solver, variable_name
 from ..scene.fields import LARGEST_TOLERANCE, LEAST_TOLERANCE
-from ..vocabulary import ADAPTIVE, FIXED_STEP
+from ..steppers import ADAPTIVE, FIXED_STEP
 
 TOLERANCES = tuple(10.0**-k for k in range(4, 12))
 """Of the steppers that choose their step."""

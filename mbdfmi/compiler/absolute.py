@@ -58,7 +58,7 @@ def _angles(model, m, d):
         if node.kind == "revolute"
     }
     turns = {key: m.coordinate_turn[k] for key, k in model.coordinates.items()}
-    return angles | {key: float(d.x[coordinates.turn(m, t)]) for key, t in turns.items() if t >= 0}
+    return angles | {key: float(d.z[coordinates.turn(m, t)]) for key, t in turns.items() if t >= 0}
 
 
 def add_absolute_starts(builder, motion):

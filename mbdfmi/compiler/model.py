@@ -12,9 +12,9 @@ import numpy as np
 
 from ..kernels import layout, outputs
 from ..kernels.motion.commands import N_DERIVATIVE
-from ..kernels.steppers import integrate
 from ..kernels.views import DataView, ModelView
 from ..scene import SceneData
+from ..steppers import STEPPERS, needs_jacobian
 from .absolute import add_absolute_starts, start_motion
 from .bodies import (
     add_bodies,
@@ -178,7 +178,7 @@ def _counts(builder):
     counts = {name: table.length for name, table in builder.tables.items()}
     counts |= builder.counts
     n_s = len(builder.single["s_start"])
-    integrator = builder.scene.solver.integrator
+    stepper = STEPPERS[builder.scene.solver.integrator]
     counts |= {
         "n_q": builder.n_q,
         "n_v": builder.n_v,
@@ -190,11 +190,12 @@ def _counts(builder):
         "output_needs": outputs.needs([output.kind for output in builder.outputs]),
         "embeds": int(builder.embeds),
         "n_mass": builder.n_v**2 if builder.embeds else 0,
-        "integrator": integrate.INTEGRATORS[integrator],
+        "integrator": stepper.number,
     }
-    rows, implicit = integrate.memory(integrator, counts["n_x"])
+    implicit = int(needs_jacobian(stepper, counts["n_x"]))
     return counts | {
-        "n_dense": rows * counts["n_x"],
+        "n_stage": stepper.stage_rows * counts["n_x"],
+        "n_dense": stepper.dense_rows * counts["n_x"],
         "n_jacobian": implicit * counts["n_x"] ** 2,
         "n_swap": implicit * counts["n_x"],
     }

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from lxml import html
 from lxml.builder import E
 
-from ..vocabulary import METHODS
+from ..steppers import STEPPERS
 from .description import generation_time, tool_version
 
 _STYLE = """
@@ -114,7 +114,8 @@ def _variables(model, causality: str) -> list:
 
 def _solver(solver) -> str:
     """The solver in a sentence."""
-    method = METHODS[solver.integrator]
+    words = STEPPERS[solver.integrator].words
+    method = words[0].upper() + words[1:]
 
     if solver.fixed_step:
         return f"{method}, inner steps of at most {solver.step:g} s."

@@ -24,22 +24,26 @@ from llvmlite import binding
 from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
+OUTSIDE = ("steppers",)
+"""Modules beside the kernels that these import: their numbers are frozen into the code as well."""
+
 INTERPRETED = os.environ.get("MBDFMI_INTERPRETED", "0") not in ("", "0")
 """Whether kernels run as plain Python in this process."""
 
 
 @cache
 def source_hash() -> str:
-    """Hash (hex) of all kernel sources: names a set of compiled kernels.
+    """Hash (hex) of all sources of the kernels: names a set of compiled kernels.
 
     numba's own cache looks at the file of one function only and does not notice a change in a callee.
     """
     digest = hashlib.sha256(numba.__version__.encode())
 
     folder = Path(__file__).parent
+    outside = [folder.parent / f"{name}.py" for name in OUTSIDE]
 
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in [*sorted(folder.rglob("*.py")), *outside]:
+        digest.update(path.relative_to(folder.parent).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
 
     return digest.hexdigest()[:20]
 

@@ -14,9 +14,6 @@ from typing import NamedTuple
 
 from .status import MOST_NOTICES
 
-N_STAGE = 16
-"""The most stages of a stepper (tableaux.py), those of its continuous extension included."""
-
 COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
@@ -62,6 +59,7 @@ COUNTS = (
     "integrator",  # see steppers/integrate.py
     "embeds",  # 1: dynamics by the joint-space mass matrix (dynamics/embedding.py), 0: by articulated bodies
     "n_mass",  # elements of that matrix
+    "n_stage",  # values of the stages of a step (mbdfmi/steppers.py)
     "n_dense",  # values of a continuous extension, or of the stages of the step before
     "n_jacobian",  # elements of dx'/dx, where an implicit stepper may need it
     "n_swap",  # rows of that
@@ -256,8 +254,7 @@ ARRAYS = (
     Row("notices", "state", 1, 1, "notices not told yet (status.py); these two stay at this place, for the wrapper reads them"),
     Row("notice", "state", 3, MOST_NOTICES, "status and two numbers of each"),
     Row("start_time", "state", 1, 1, "s"),
-    Row("next_step", "state", 2, 1, "s, the step that each explicit pair tries next, 0: none yet"),
-    Row("radau_step", "state", 1, 1, "s, likewise of Radau's method"),
+    Row("next_step", "state", 3, 1, "s, the step that rk54, rk853, radau try next, 0: none yet"),
     Row("method", "state", 1, 1, "stepper in use (steppers/integrate.py)"),
     Row("steps", "state", 1, 1, "accepted inner steps since the start"),
     Row("rejected", "state", 1, 1, "rejected inner steps since the start"),
@@ -266,8 +263,8 @@ ARRAYS = (
     Row("error_before", "state", 1, 1, "estimated error of the step before"),
     Row("step_before", "state", 1, 1, "s, length of the step before, 0: none"),
     Row("stiff_steps", "state", 1, 1, "steps at the border of stability"),
-    Row("pardon", "state", 1, 1, "steps within it since"),
-    Row("easy_steps", "state", 1, 1, "implicit steps that explicit ones could have done"),
+    Row("stable_steps", "state", 1, 1, "steps within it since"),
+    Row("nonstiff_steps", "state", 1, 1, "implicit steps that explicit ones could have done"),
     Row("radius", "state", 1, 1, "1/s, spectral radius of J"),
     Row("u_known", "state", 1, 1, "1: u_before holds"),
     Row("u_before", "state", 1, "n_u", "inputs of the communication step before"),
@@ -412,8 +409,9 @@ ARRAYS = (
     Row("evaluation_limit", "work", 1, 1, "evaluations since the start at which the communication step has cost too much"),
     Row("x_before", "work", 1, "n_x", "x at the start of an inner step"),
     Row("x_own", "work", 1, "n_x", "x of the run, while outputs see loops where commands put them"),
+    Row("x_tried", "work", 7, "n_x", "states of attempts to find the start (dynamics/given.py)"),
     Row("x_scale", "work", 1, "n_x", "error weights"),
-    Row("stage", "work", N_STAGE, "n_x", "rates of the stages, right-hand sides of the implicit methods"),
+    Row("stage", "work", 1, "n_stage", "rates of the stages, right-hand sides of the implicit methods, n_x each"),
     Row("lu_real", "work", 1, "n_jacobian", "factors of the real Newton matrix (linear.py)"),
     Row("lu_complex", "work", 2, "n_jacobian", "of the complex one"),
     Row("swaps_real", "work", 1, "n_swap", "their exchanges of rows"),

@@ -16,7 +16,7 @@ from .status import (
     OK,
     status,
 )
-from .steppers import control
+from .steppers import memory
 
 # below, rounding is all there is; above, errors are no longer small against the motion
 LEAST_TOLERANCE = 1e-14
@@ -111,7 +111,7 @@ def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     d.notices[0] = 0.0
-    control.forget(d)
+    memory.forget(d)
     d.jacobian_known[0] = 0.0
 
     if not LEAST_TOLERANCE <= m.tolerance[0] <= LARGEST_TOLERANCE:

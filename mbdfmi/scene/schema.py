@@ -3,7 +3,8 @@
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from ..vocabulary import ADAPTIVE, FIXED_STEP, SCENE_OUTPUTS, SOLVER_OUTPUTS
+from ..steppers import STEPPERS
+from ..vocabulary import SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
 from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
@@ -37,7 +38,7 @@ class Solver(Part):
         what is read off between inner steps included.
     """
 
-    integrator: OneOf(*ADAPTIVE, *FIXED_STEP) = "auto"
+    integrator: OneOf(*STEPPERS) = "auto"
     formulation: OneOf("auto", "recursive", "embedding", "augmented") = "auto"
     step: Positive | None = None
     tolerance: Tolerance = 1e-8
@@ -68,7 +69,7 @@ class Solver(Part):
     @property
     def fixed_step(self):
         """Whether the integrator takes steps of one length."""
-        return self.integrator in FIXED_STEP
+        return STEPPERS[self.integrator].fixed
 
 
 def _order(path, data):

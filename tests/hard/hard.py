@@ -16,8 +16,8 @@ from benchmarks.problem_files import problem_file as problem  # noqa: F401
 from benchmarks.problem_files import scene_of  # noqa: F401
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.steppers.integrate import INTEGRATORS
 from mbdfmi.run.instance import Instance, SimulationError
+from mbdfmi.steppers import STEPPERS
 
 # integrators by what they are for; those that this version does not know are left out of every case
 EXPLICIT = ("rk54", "rk853")
@@ -47,7 +47,7 @@ def fixed(name, step, allowed):
 
 def solvers(*choices):
     """Parametrises a test over `solver` and `allowed` by such lists."""
-    known = [choice for some in choices for choice in some if choice[0]["integrator"] in INTEGRATORS]
+    known = [choice for some in choices for choice in some if choice[0]["integrator"] in STEPPERS]
     ids = [name for _, _, name in known]
     return pytest.mark.parametrize("solver, allowed", [choice[:2] for choice in known], ids=ids)
 

@@ -35,14 +35,14 @@ LONGEST, THOROUGHLY = 600.0, 180.0
 and whole files of tests against a mutant."""
 
 THOROUGH = {
-    "assembly holding notes starts start": "starts loops",
+    "assembly given holding notes redundancy start_positions start_velocities start": "starts loops",
     "commands drives": "commands drivers turns",
     "massless virtual dynamics": "massless light_parts",
-    "constraints linear embedding rows project": "loops massless",
-    "contacts curves surfaces": "contacts",
-    "explicit implicit gauss control integrate": "steppers integrate between_steps",
+    "articulated constraints embedding linear multipliers rows": "loops massless",
+    "contacts curves surfaces touching": "contacts",
+    "fixed gauss integrate jacobian control memory pairs radau rk4 ros2": "steppers integrate between_steps",
     "interpolation tables elastic": "tables drivers",
-    "project": "starts",
+    "projection": "starts",
     "checks bodies orientation fields motion efforts forces solids tables":
         "scene scene_fuzz::test_messages told starts tables",
     "notices light_parts": "told notices light_parts",

@@ -38,17 +38,17 @@ class Undone:
 UNDONE = [
     # 1
     Undone(
-        1, "nobody looks at the error of what is read off between inner steps", "kernels/steppers/explicit.py",
+        1, "nobody looks at the error of what is read off between inner steps", "kernels/steppers/pairs.py",
         "extension, unseen = extension_error(m, d, pair, step, fine)", "extension, unseen = 0.0, False",
         "tests/test_between_steps.py",
     ),
     Undone(
         1, "a kink or a stiff mode that the step's own estimate does not see may spoil what is read off",
-        "kernels/steppers/explicit.py",
+        "kernels/steppers/pairs.py",
         "UNSEEN_ALLOWED = 3.0", "UNSEEN_ALLOWED = 1e9", "tests/test_between_steps.py",
     ),
     Undone(
-        1, "estimated_error leaves out what is read off", "kernels/steppers/explicit.py",
+        1, "estimated_error leaves out what is read off", "kernels/steppers/pairs.py",
         "estimate = max(error, extension)", "estimate = error", "tests/test_between_steps.py",
     ),
     # 2

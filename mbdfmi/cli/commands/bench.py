@@ -167,7 +167,7 @@ def _told(run, found):
 def _choices(found):
     """The best choices, in words."""
     from ...analysis.comparison import TARGETS
-    from ...vocabulary import FIXED_STEP
+    from ...steppers import FIXED_STEP
 
     if not found.done:
         yield "no run succeeded"

@@ -1,11 +1,11 @@
-"""What the start may move: parts of d.stage to go back to, and the given coordinates that are not kept yet."""
+"""What the start may move: parts of d.x_tried to go back to, and the given coordinates that are not kept yet."""
 
 from .. import joints
 from ..language import inlined
 from . import holding
 from .holding import POSITION
 
-# parts of d.stage, which no step uses yet: the best found, one to go back to, deviations, one with gaps, the
+# parts of d.x_tried: the best found, one to go back to, deviations, one with gaps, the
 # one of least gaps, the nearest found, where an attempt begins
 BEST = 0
 OTHER = 1
@@ -19,16 +19,16 @@ START = -1  # no part: the start values in x_before
 
 @inlined
 def store(m, d, part):
-    """x to a part of d.stage."""
+    """x to a part of d.x_tried."""
     for k in range(m.n_x):
-        d.stage[part * m.n_x + k] = d.x[k]
+        d.x_tried[part * m.n_x + k] = d.x[k]
 
 
 @inlined
 def recall(m, d, part):
-    """x from a part of d.stage."""
+    """x from a part of d.x_tried."""
     for k in range(m.n_x):
-        d.x[k] = d.stage[part * m.n_x + k]
+        d.x[k] = d.x_tried[part * m.n_x + k]
 
 
 @inlined
@@ -44,7 +44,7 @@ def gives_all(m, what):
 
 @inlined
 def measure(m, d, what):
-    """How far each given coordinate is from its start value, to d.stage; -1 where there is nothing to keep.
+    """How far each given coordinate is from its start value, to d.x_tried; -1 where there is nothing to keep.
 
     An orientation counts as one at its first coordinate.
     """
@@ -61,7 +61,7 @@ def measure(m, d, what):
                 if what == POSITION and not joints.slides(kind, k) and k % 3 > 0:
                     off = -1.0
 
-            d.stage[DEVIATION * m.n_x + v] = off
+            d.x_tried[DEVIATION * m.n_x + v] = off
 
 
 @inlined
@@ -70,9 +70,9 @@ def nearest_left(m, d):
     best = -1
 
     for v in range(m.n_v):
-        off = d.stage[DEVIATION * m.n_x + v]
+        off = d.x_tried[DEVIATION * m.n_x + v]
 
-        if off >= 0.0 and (best < 0 or off < d.stage[DEVIATION * m.n_x + best]):
+        if off >= 0.0 and (best < 0 or off < d.x_tried[DEVIATION * m.n_x + best]):
             best = v
 
     return best

@@ -55,7 +55,7 @@ KEPT = 1e-13
 
 @inlined
 def travel(m, d, part):
-    """How far x is from d.stage's part (START: from x_before): root of the sum of squares, rad or parts of the scene's length."""
+    """How far x is from d.x_tried's part (START: from x_before): root of the sum of squares, rad or parts of the scene's length."""
     total = 0.0
 
     for i in range(1, m.n_body):
@@ -63,7 +63,7 @@ def travel(m, d, part):
         q = m.body_q[i]
 
         for k in range(joints.n_q(kind)):
-            before = d.x_before[q + k] if part < 0 else d.stage[part * m.n_x + q + k]
+            before = d.x_before[q + k] if part < 0 else d.x_tried[part * m.n_x + q + k]
             change = d.q[q + k] - before
 
             # half the angle is the angle between E
@@ -141,7 +141,7 @@ def close(m, d, stride):
 
 @apart(int64(MODEL, DATA, float64, float64, int64))
 def attempt(m, d, stride, nudge, source):
-    """Close the loops with what d.kept says, from the start values or a part of d.stage. Returns a status.
+    """Close the loops with what d.kept says, from the start values or a part of d.x_tried. Returns a status.
 
     nudge : rad and m, by which joints that are not held are moved first, for a start may be singular.
     """
@@ -267,7 +267,7 @@ def give_way(m, d):
         if v < 0:
             break
 
-        d.stage[given.DEVIATION * m.n_x + v] = -1.0
+        d.x_tried[given.DEVIATION * m.n_x + v] = -1.0
         given.mark(m, d, v, POSITION, 1.0)
 
         if attempt(m, d, STRIDE, 0.0, given.BEST) == OK or close_nearest(m, d) == OK:

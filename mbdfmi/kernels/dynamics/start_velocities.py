@@ -91,7 +91,7 @@ def find_velocities(m, d):
         if v < 0:
             break
 
-        d.stage[given.DEVIATION * m.n_x + v] = -1.0
+        d.x_tried[given.DEVIATION * m.n_x + v] = -1.0
         given.mark(m, d, v, VELOCITY, 1.0)
 
         if try_velocities(m, d):

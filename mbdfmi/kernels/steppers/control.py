@@ -1,4 +1,4 @@
-"""Step-size control: how errors are weighed, the first step, how the next follows from the error.
+"""Step-size control: how errors are weighed, the first step, how the next follows from the error, how much work it may be.
 
 PI control of explicit pairs (docs/theory.md 18.4), predictive control of implicit methods (18.7).
 """
@@ -8,8 +8,6 @@ import math
 import numpy as np
 
 from .. import joints
-from ..dynamics.projection import project, restore_x
-from ..dynamics.rates import is_finite, set_time
 from ..end_frames import touching
 from ..language import inlined
 from ..motion import coordinates
@@ -94,23 +92,6 @@ def equal_steps(H, most):
 
 
 @inlined
-def accept(m, d, s):
-    """End, at s (s) of the communication step, of an inner step of fixed length: d.x is projected, or what it was before. Returns a status.
-
-    Not every method has a stage there, where drives are to be met.
-    """
-    set_time(m, d, s)
-    failure = project(m, d) if is_finite(d, m.n_x) else status(NOT_FINITE, 0)
-
-    if failure == OK:
-        d.steps[0] += 1.0
-    else:
-        restore_x(m, d)
-
-    return failure
-
-
-@inlined
 def least_step(H):
     """The shortest inner step (s) that will do in a communication step of H (s)."""
     return LEAST_STEP * min(H, 1.0)
@@ -141,35 +122,3 @@ def is_spent(d):
 def spend(d, evaluations):
     """Count work other than evaluations, as if it were so many of them."""
     d.evaluation_limit[0] -= evaluations
-
-
-@inlined
-def forget(d):
-    """What steppers remember of a motion that does not go on so: an input jumped, a parameter or the method changed."""
-    d.ahead[0] = 0.0
-    d.rate_known[0] = 0.0
-    d.span[0] = 0.0
-    d.error_before[0] = LEAST_ERROR
-    d.step_before[0] = 0.0
-
-
-@inlined
-def remember_rate(m, d, known):
-    """Keep the rates of stage 0 for the next communication step, if they are known."""
-    d.rate_known[0] = 1.0 if known else 0.0
-
-    if known:
-        for k in range(m.n_x):
-            d.front_rate[k] = d.stage[k]
-
-
-@inlined
-def recall_rate(m, d):
-    """Stage 0 as `remember_rate` kept it; False when it kept nothing."""
-    if d.rate_known[0] == 0.0:
-        return False
-
-    for k in range(m.n_x):
-        d.stage[k] = d.front_rate[k]
-
-    return True

@@ -7,16 +7,13 @@ invariants (the length of E) to rounding (docs/theory.md 18.9). The stages are f
 import math
 
 import numpy as np
-from numba.types import Tuple, float64, int64
 
-from ..dynamics.projection import keep_x, restore_x
+from ...steppers import STEPPERS
 from ..dynamics.rates import evaluate
-from ..language import apart, inlined, kernel
-from ..status import NO_STAGES, OK, TOO_MUCH_WORK, status
-from ..views import DATA, MODEL
-from . import control
+from ..language import inlined, kernel
+from ..status import NO_STAGES, OK, status
 
-COUNT = 4
+COUNT = STEPPERS["gauss"].stage_rows
 MAX_ITERATIONS = 60
 
 # the iteration has done what it can when changes (of states of size 1) are at rounding or, near it, no longer shrink;
@@ -113,51 +110,30 @@ def find_rates(m, d, s, h):
     return status(NO_STAGES, 0)
 
 
-@apart(Tuple((int64, float64))(MODEL, DATA, float64))
-def gauss(m, d, H):
-    """Gauss collocation of order 2 COUNT: equal inner steps of at most m.step over H (s).
-
-    Returns (status, time reached within H).
-    """
+@kernel
+def step(m, d, s, h):
+    """d.x a step of h (s) after x_before, at s (s) of the communication step. Returns a status."""
     n = m.n_x
-    n_step, h = control.equal_steps(H, m.step[0])
-    step = 0
+    failure = OK
 
-    while step < n_step:
-        s = step * h
+    if abs(d.span[0] - h) > 1e-9 * h:
+        failure = evaluate(m, d, s)
 
-        if control.is_spent(d):
-            return status(TOO_MUCH_WORK, 0), s
+    if failure == OK:
+        guess_rates(m, d, h)
+        failure = find_rates(m, d, s, h)
 
-        keep_x(m, d)
-        failure = OK
+    if failure != OK:
+        d.span[0] = 0.0
+        return failure
 
-        if abs(d.span[0] - h) > 1e-9 * h:
-            failure = evaluate(m, d, s)
+    for k in range(n):
+        slope = 0.0
 
-        if failure == OK:
-            guess_rates(m, d, h)
-            failure = find_rates(m, d, s, h)
+        for j in range(COUNT):
+            slope += WEIGHTS[j] * d.dense[j * n + k]
 
-        if failure != OK:
-            restore_x(m, d)
-            d.span[0] = 0.0
-            return failure, s
+        d.x[k] = d.x_before[k] + h * slope
 
-        for k in range(n):
-            slope = 0.0
-
-            for j in range(COUNT):
-                slope += WEIGHTS[j] * d.dense[j * n + k]
-
-            d.x[k] = d.x_before[k] + h * slope
-
-        d.span[0] = h
-        failure = control.accept(m, d, s + h)
-
-        if failure != OK:
-            return failure, s
-
-        step += 1
-
-    return OK, H
+    d.span[0] = h
+    return OK

@@ -1,45 +1,22 @@
-"""The steppers by name, and how one of them takes the state over a communication step.
+"""How a stepper takes the state over a communication step: the choice of the method, and what it starts from.
 
 All keep to x' = f(t, x, u(t)) over a communication step, then project(x). Time inside it is counted from its start, so
 results do not depend on how a master sums its time. What a stepper remembers across communication points (the step to try
 next, rates, a Jacobian) stands in the state: a restored run goes on to the same bits.
+
+Where inputs go on as they were, the inner steps of a pair do not stop at communication points: the integrator's front
+lies ahead, and the state at the communication point is read off the step's continuous extension, then projected. The
+front waits in the state. When an input jumps at the communication point, it is given up and the motion goes on from there.
 """
 
+from ...steppers import STEPPERS
 from ..dynamics.projection import keep_x, restore_x
 from ..language import inlined, kernel
 from ..motion import commands
 from ..status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
-from . import control, explicit, gauss, implicit
-from .tableaux import N_DENSE, PAIR_54, PAIR_853
+from . import control, fixed, memory, pairs, radau
 
-RK54 = PAIR_54
-RK853 = PAIR_853
-RK4 = 2
-RADAU = 3
-ROS2 = 4
-GAUSS = 5
-AUTO = 6
-
-INTEGRATORS = {
-    "auto": AUTO,
-    "rk4": RK4,
-    "rk54": RK54,
-    "rk853": RK853,
-    "radau": RADAU,
-    "ros2": ROS2,
-    "gauss": GAUSS,
-}
-
-
-# `auto` stays explicit in models of more states: the Jacobian stands in every snapshot
-MOST_STATES = 500
-
-
-def memory(integrator: str, n_x: int) -> tuple[int, int]:
-    """What an integrator keeps of each of n_x states: (rows of `dense`, 1 if it needs a Jacobian)."""
-    rows = {"auto": N_DENSE, "rk54": N_DENSE, "rk853": N_DENSE, "radau": 3, "gauss": gauss.COUNT}
-    implicit = integrator in ("radau", "ros2") or (integrator == "auto" and n_x <= MOST_STATES)
-    return rows.get(integrator, 0), int(implicit)
+AUTO, RK54, RK853, RADAU = (STEPPERS[name].number for name in ("auto", "rk54", "rk853", "radau"))
 
 
 @kernel
@@ -65,17 +42,17 @@ def inputs_go_on(m, d):
 @kernel
 def start(m, d):
     """Nothing to remember yet."""
-    control.forget(d)
+    memory.forget(d)
     d.u_known[0] = 0.0
     d.jacobian_known[0] = 0.0
     d.lu_step[0] = 0.0
     d.lu_known[0] = 0.0
-    d.radau_step[0] = 0.0
-    d.next_step[PAIR_54] = 0.0
-    d.next_step[PAIR_853] = 0.0
+    d.next_step[RK54] = 0.0
+    d.next_step[RK853] = 0.0
+    d.next_step[RADAU] = 0.0
     d.stiff_steps[0] = 0.0
-    d.pardon[0] = 0.0
-    d.easy_steps[0] = 0.0
+    d.stable_steps[0] = 0.0
+    d.nonstiff_steps[0] = 0.0
     d.radius[0] = 0.0
     d.steps[0] = 0.0
     d.rejected[0] = 0.0
@@ -93,12 +70,12 @@ def go_to_front(m, d, H, pair):
     if d.ahead[0] > H * (1.0 + 1e-14):
         keep_x(m, d)
 
-        if explicit.extend(m, d, pair, H) == OK:
+        if pairs.extend(m, d, pair, H) == OK:
             d.ahead[0] -= H
             return H
 
         restore_x(m, d)
-        control.forget(d)
+        memory.forget(d)
         return 0.0
 
     s = min(H, d.ahead[0])
@@ -125,9 +102,9 @@ def adaptive(m, d, H, onward):
 
     while s < H:
         if d.method[0] == RADAU:
-            failure, s = implicit.radau(m, d, s, H, watch)
+            failure, s = radau.adaptive(m, d, s, H, watch)
         else:
-            failure, s = explicit.adaptive(m, d, s, H, pair_in_use(d), onward, watch)
+            failure, s = pairs.adaptive(m, d, s, H, pair_in_use(d), onward, watch)
 
         if failure != status(CHANGE_METHOD, 0):
             break
@@ -141,7 +118,7 @@ def adaptive(m, d, H, onward):
 @inlined
 def pair_in_use(d):
     """The explicit pair of d.method; one of them, whatever a state from outside says."""
-    return PAIR_54 if d.method[0] == RK54 else PAIR_853
+    return RK54 if d.method[0] == RK54 else RK853
 
 
 @inlined
@@ -154,9 +131,9 @@ def pair_for(d, H, onward):
 @inlined
 def change_method(m, d):
     """From a pair to Radau's method or back; says so in the log."""
-    control.forget(d)
+    memory.forget(d)
     d.stiff_steps[0] = 0.0
-    d.easy_steps[0] = 0.0
+    d.nonstiff_steps[0] = 0.0
     d.jacobian_known[0] = 0.0
 
     if d.method[0] == RADAU:
@@ -164,7 +141,7 @@ def change_method(m, d):
         d.next_step[RK853] = 0.0
         tell(d, status(NOT_STIFF, 0), 0.0, 0.0)
     else:
-        d.radau_step[0] = d.next_step[pair_in_use(d)]
+        d.next_step[RADAU] = d.next_step[pair_in_use(d)]
         d.method[0] = RADAU
         tell(d, status(STIFF, 0), 0.0, 0.0)
 
@@ -173,20 +150,16 @@ def change_method(m, d):
 def advance(m, d, H, onward):
     """The state by H (s); `onward`: inputs stay as they were. Returns (status, time reached within H)."""
     if not onward:
-        control.forget(d)
+        memory.forget(d)
 
     control.limit_work(m, d)
 
-    if m.integrator == RK4:
-        failure, reached = explicit.rk4(m, d, H)
-    elif m.integrator == ROS2:
-        failure, reached = implicit.ros2(m, d, H)
-    elif m.integrator == GAUSS:
-        failure, reached = gauss.gauss(m, d, H)
+    if fixed.is_one(m.integrator):
+        failure, reached = fixed.equal_steps(m, d, H)
     else:
         failure, reached = adaptive(m, d, H, onward)
 
     if failure != OK:
-        control.forget(d)
+        memory.forget(d)
 
     return failure, reached

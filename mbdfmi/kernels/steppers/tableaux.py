@@ -7,9 +7,11 @@ two combinations of the stages that estimate the error, `DENSE[pair]` those of t
 
 import numpy as np
 
-from ..layout import N_STAGE
+from ...steppers import STEPPERS
 
-N_DENSE = 7  # the most coefficients of a continuous extension
+PAIRS = tuple(STEPPERS[name] for name in ("rk54", "rk853"))
+N_STAGE = max(pair.stage_rows for pair in PAIRS)
+N_DENSE = max(pair.dense_rows for pair in PAIRS)
 
 # Dormand, Prince, J. Comp. Appl. Math. 6 (1980) 19-26
 NODES_54 = [0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1]
@@ -328,13 +330,13 @@ def _padded(rows, shape):
     return array
 
 
-PAIR_54 = 0
-PAIR_853 = 1
+# the pairs' numbers are their places in what follows
+assert [pair.number for pair in PAIRS] == [0, 1]
 
 STAGE_COUNT = np.array([7, 13])  # of a step
-STAGE_TOTAL = np.array([7, 16])  # and of its continuous extension
-DENSE_COUNT = np.array([4, 7])  # coefficients of that
-ORDER = np.array([5, 8])
+STAGE_TOTAL = np.array([pair.stage_rows for pair in PAIRS])  # and of its continuous extension
+DENSE_COUNT = np.array([pair.dense_rows for pair in PAIRS])  # coefficients of that
+ORDER = np.array([pair.order for pair in PAIRS])
 NODES = _padded([NODES_54, NODES_853], (2, N_STAGE))
 STAGES = np.array([_padded(rows, (N_STAGE, N_STAGE)) for rows in (STAGES_54, STAGES_853)])
 ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_853)])
@@ -369,7 +371,7 @@ def _gaps(pair, weights):
 # where an extension has stages that the step's error estimate does not see: weighed so that an error in one of these rates
 # counts at least about as much as it does in the extension
 GAP_COUNT = np.array([0, 2])
-GAPS = _gaps(PAIR_853, (47.0, 0.2))
+GAPS = _gaps(1, (47.0, 0.2))
 
 # from where on h |lambda| is at the border of stability (the same codes)
 STABLE = np.array([3.25, 6.1])

@@ -1,12 +1,4 @@
-"""Explicit steppers: classical Runge-Kutta with a fixed step, embedded pairs with an adaptive one.
-
-After each accepted inner step the state is projected: Euler parameters to unit length, positions and velocities
-onto the constraints.
-
-Where inputs go on as they were, the inner steps of a pair do not stop at communication points: the integrator's front
-lies ahead, and the state at the communication point is read off the step's continuous extension, then projected. The
-front waits in the state. When an input jumps at the communication point, it is given up and the motion goes on from there.
-"""
+"""Embedded pairs of explicit Runge-Kutta methods, with an adaptive step (docs/theory.md 18.4 to 18.6)."""
 
 import math
 
@@ -19,7 +11,7 @@ from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
 from ..views import DATA, MODEL
-from . import control
+from . import control, memory
 from .tableaux import (
     DENSE,
     DENSE_COUNT,
@@ -43,60 +35,13 @@ EXTENSION_ALLOWED = 20.0
 UNSEEN_ALLOWED = 3.0
 UNSEEN = 3.0
 
-# steps at the border of stability in a row, bar a few, that make a motion stiff (docs/theory.md 18.6)
+# steps at the border of stability that make a motion stiff, and steps in a row within it that make it not (docs/theory.md 18.6)
 STIFF_AFTER = 15.0
-STIFF_PARDON = 6.0
+STABLE_AFTER = 6.0
 
 # h |lambda| of a decaying motion that lasts, and the cosine that tells decay
 STIFF_DECAY = 1.5
 ALONG = 0.9
-
-
-@apart(Tuple((int64, float64))(MODEL, DATA, float64))
-def rk4(m, d, H):
-    """Classical Runge-Kutta method of order 4: equal inner steps of at most m.step over H (s).
-
-    Returns (status, time reached within H).
-    """
-    n = m.n_x
-    n_step, h = control.equal_steps(H, m.step[0])
-    step = 0
-
-    while step < n_step:
-        s = step * h
-
-        if control.is_spent(d):
-            return status(TOO_MUCH_WORK, 0), s
-
-        keep_x(m, d)
-
-        for stage in range(4):
-            c = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
-
-            if stage > 0:
-                for k in range(n):
-                    d.x[k] = d.x_before[k] + c * h * d.stage[(stage - 1) * n + k]
-
-            failure = evaluate(m, d, s + c * h)
-
-            if failure != OK:
-                restore_x(m, d)
-                return failure, s
-
-            store_rate(m, d, stage)
-
-        for k in range(n):
-            slope = d.stage[k] + 2.0 * (d.stage[n + k] + d.stage[2 * n + k]) + d.stage[3 * n + k]
-            d.x[k] = d.x_before[k] + h / 6.0 * slope
-
-        failure = control.accept(m, d, s + h)
-
-        if failure != OK:
-            return failure, s
-
-        step += 1
-
-    return OK, H
 
 
 @inlined
@@ -289,16 +234,99 @@ def is_at_border(m, d, pair, step):
 def is_stiff(m, d, pair, step):
     """Whether the steps have long been at the border of stability."""
     if is_at_border(m, d, pair, step):
-        d.pardon[0] = 0.0
+        d.stable_steps[0] = 0.0
         d.stiff_steps[0] += 1.0
         return d.stiff_steps[0] >= STIFF_AFTER
 
-    d.pardon[0] += 1.0
+    d.stable_steps[0] += 1.0
 
-    if d.pardon[0] >= STIFF_PARDON:
+    if d.stable_steps[0] >= STABLE_AFTER:
         d.stiff_steps[0] = 0.0
 
     return False
+
+
+@inlined
+def length_to_try(m, d, h, left, onward):
+    """(step (s) of at most h, whether it ends at the communication point, `left` (s) away, or would, whether it passes that).
+
+    Steps pass it only `onward`, and where they would end well behind it.
+    """
+    reaches = h >= left * (1.0 - 1e-9)
+    passes = reaches and onward and h > left * (1.0 + SLACK)
+    return left if reaches and not passes else h, reaches, passes
+
+
+@inlined
+def try_step(m, d, pair, s, step, passes):
+    """d.x a step (s) after x_before, at s (s), projected; with the continuous extension where the step `passes` H.
+
+    Needs the rate at s in stage 0. Returns (error that decides about the step and the next, estimate of it that is told, status).
+    Errors: 1: just allowed, inf: not a number, or the status tells why there is no step.
+    """
+    failure = OK
+
+    for stage in range(1, STAGE_COUNT[pair]):
+        advance(m, d, pair, stage, step)
+        failure = evaluate(m, d, s + NODES[pair, stage] * step)
+
+        if failure != OK:
+            return math.inf, math.inf, failure
+
+        store_rate(m, d, stage)
+
+    error, fine = local_error(m, d, pair, step)
+
+    if not (error < math.inf and is_finite(d, m.n_x)):
+        return math.inf, math.inf, OK
+
+    if error > 1.0:
+        return error, error, OK
+
+    failure = project(m, d)
+
+    if failure != OK or not passes:
+        return error if failure == OK else math.inf, error, failure
+
+    for k in range(m.n_x):
+        d.front[k] = d.x[k]
+
+    failure = find_extension(m, d, pair, s, step)
+    extension, unseen = extension_error(m, d, pair, step, fine)
+
+    if failure != OK or not extension < math.inf:
+        return math.inf, math.inf, failure
+
+    estimate = max(error, extension)
+
+    # where the motion is smooth and the extension good, the step is what it would be without
+    if unseen:
+        error = max(error, extension / UNSEEN_ALLOWED)
+    elif extension > EXTENSION_ALLOWED:
+        error = extension / EXTENSION_ALLOWED
+
+    return error, estimate, OK
+
+
+@inlined
+def length_after(m, d, pair, step, error, estimate):
+    """Length (s) of the step after one that is accepted; counts it."""
+    d.steps[0] += 1.0
+    d.error_sum[0] += estimate
+    length = step * control.pi_factor(error, d.error_before[0], ORDER[pair])
+    d.error_before[0] = max(error, control.LEAST_ERROR)
+    return length
+
+
+@inlined
+def length_again(d, pair, step, error):
+    """Length (s) of the step in place of one that is rejected; counts it."""
+    d.rejected[0] += 1.0
+
+    if not error < math.inf:
+        return 0.1 * step
+
+    return step * max(control.SHRINK, control.SAFETY * error ** -(1.0 / ORDER[pair]))
 
 
 @apart(Tuple((int64, float64))(MODEL, DATA, float64, float64, int64, boolean, boolean))
@@ -310,14 +338,12 @@ def adaptive(m, d, s, H, pair, onward, watch):
     (status, time reached within H); status CHANGE_METHOD when it gave up.
     """
     h = d.next_step[pair]
-    known = control.recall_rate(m, d)
-    failure = OK
-    stiff = False
-    spent = False
+    known = memory.recall_rate(m, d)  # stage 0 holds the rate at s
+    end = OK
 
-    while s < H:
+    while s < H and end == OK:
         if control.is_spent(d):
-            spent = True
+            end = status(TOO_MUCH_WORK, 0)
             break
 
         if not known:
@@ -335,101 +361,57 @@ def adaptive(m, d, s, H, pair, onward, watch):
             h = control.first_step(m, d, H, 0)
 
         h = min(h, m.max_step[0])
-        left = H - s
-        cut = h >= left * (1.0 - 1e-9)
-        passes = cut and onward and h > left * (1.0 + SLACK)
-        step = left if cut and not passes else h
+        step, reaches, passes = length_to_try(m, d, h, H - s, onward)
 
         if not s + step > s:
             return control.too_small(0.0 < step < math.inf, OK), s
 
         keep_x(m, d)
+        error, estimate, failure = try_step(m, d, pair, s, step, passes)
 
-        for stage in range(1, STAGE_COUNT[pair]):
-            advance(m, d, pair, stage, step)
-            failure = evaluate(m, d, s + NODES[pair, stage] * step)
+        if error <= 1.0:
+            if watch and is_stiff(m, d, pair, step):
+                end = status(CHANGE_METHOD, 0)
 
-            if failure != OK:
-                break
-
-            store_rate(m, d, stage)
-
-        error, fine = local_error(m, d, pair, step)
-        estimate = error
-        finite = failure == OK and error < math.inf and is_finite(d, m.n_x)
-
-        if finite and error <= 1.0:
-            failure = project(m, d)
-            finite = failure == OK
-
-        if finite and error <= 1.0 and passes:
-            for k in range(m.n_x):
-                d.front[k] = d.x[k]
-
-            failure = find_extension(m, d, pair, s, step)
-            extension, unseen = extension_error(m, d, pair, step, fine)
-            finite = failure == OK and extension < math.inf
-            estimate = max(error, extension)
-
-            # where the motion is smooth and the extension good, the step is what it would be without
-            if unseen:
-                error = max(error, extension / UNSEEN_ALLOWED)
-            elif extension > EXTENSION_ALLOWED:
-                error = extension / EXTENSION_ALLOWED
-
-        if finite and error <= 1.0:
-            stiff = watch and is_stiff(m, d, pair, step)
             known = m.n_row == 0
 
             if known:
                 keep_last_rate(m, d, pair)
 
             if passes:
-                control.remember_rate(m, d, known)
+                memory.remember_rate(m, d, known)
                 d.ahead[0] = s + step
 
-                failure = extend(m, d, pair, H)
-
-                if failure != OK:
+                if extend(m, d, pair, H) != OK:
                     # no way to read the state off there: end a step there instead
                     restore_x(m, d)
                     d.ahead[0] = 0.0
                     known = False
                     onward = False
+                    end = OK
                     continue
 
                 d.ahead[0] -= H
 
-            s = H if cut else s + step
-            d.steps[0] += 1.0
-            d.error_sum[0] += estimate
-            proposed = step * control.pi_factor(error, d.error_before[0], ORDER[pair])
-            d.error_before[0] = max(error, control.LEAST_ERROR)
+            s = H if reaches else s + step
+            length = length_after(m, d, pair, step, error, estimate)
 
             # a step that the end cut short says little about a longer one
-            h = max(h, proposed) if cut and step < h else proposed
-
-            if stiff:
-                break
+            h = max(h, length) if reaches and step < h else length
 
         else:
             restore_x(m, d)
-            d.rejected[0] += 1.0
-            h = step * (max(control.SHRINK, control.SAFETY * error ** -(1.0 / ORDER[pair])) if finite else 0.1)
+            h = length_again(d, pair, step, error)
 
             if not h >= control.least_step(H):
-                if watch and finite:
-                    stiff = True
-                    break
+                if not (watch and error < math.inf):
+                    return control.too_small(error < math.inf, failure), s
 
-                return control.too_small(finite, failure), s
+                end = status(CHANGE_METHOD, 0)
 
     d.next_step[pair] = h
 
     if not (s == H and d.ahead[0] > 0.0):
-        control.remember_rate(m, d, known)
+        memory.remember_rate(m, d, known)
 
-    if spent:
-        return status(TOO_MUCH_WORK, 0), s
-
-    return (status(CHANGE_METHOD, 0) if stiff else OK), s
+    return end, s

@@ -1,0 +1,59 @@
+"""The steppers by name, a record each: for scenes, for the compiler, for the kernels, for people.
+
+The step itself is the file of kernels/steppers of that name; of the explicit pairs pairs.py, with
+coefficients in tableaux.py.
+"""
+
+from typing import NamedTuple
+
+
+class Stepper(NamedTuple):
+    """What there is to know of a stepper without taking a step.
+
+    number : what kernels call it, at m.integrator and d.method; of explicit pairs their place in tableaux.py.
+    order : of the error after a given time in the step size; of `auto`, of the method that it begins with.
+    fixed : takes equal steps of at most `solver.step`; else it is adaptive, by `solver.tolerance`.
+    stage_rows : values of each state within a step: rates of its stages, right-hand sides.
+    dense_rows : values of each state from one step to the next: continuous extension, or stages.
+    implicit : needs the Jacobian dx'/dx.
+    words : what it is, as the start of a sentence.
+    """
+
+    name: str
+    number: int
+    order: int
+    fixed: bool
+    stage_rows: int
+    dense_rows: int
+    implicit: bool
+    words: str
+
+
+AUTO = (
+    "embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is stiff, "
+    "the implicit Radau IIA method of order 5"
+)
+
+STEPPERS = {
+    record.name: record
+    for record in (
+        Stepper("auto", 6, 8, False, 16, 7, True, AUTO),
+        Stepper("rk54", 0, 5, False, 7, 4, False, "embedded Runge-Kutta pair of order 5(4)"),
+        Stepper("rk853", 1, 8, False, 16, 7, False, "embedded Runge-Kutta pair of order 8(5,3)"),
+        Stepper("radau", 2, 5, False, 10, 3, True, "implicit Radau IIA method of order 5"),
+        Stepper("rk4", 3, 4, True, 4, 0, False, "classical Runge-Kutta method of order 4"),
+        Stepper("ros2", 4, 2, True, 2, 0, True, "linearly implicit method of order 2"),
+        Stepper("gauss", 5, 8, True, 4, 4, False, "implicit and symmetric Gauss method of order 8"),
+    )
+}
+
+ADAPTIVE = tuple(name for name, record in STEPPERS.items() if not record.fixed)
+FIXED_STEP = tuple(name for name, record in STEPPERS.items() if record.fixed)
+
+MOST_STATES = 500
+"""States up to which `auto` may turn to its implicit method: the Jacobian stands in every snapshot."""
+
+
+def needs_jacobian(stepper: Stepper, n_x: int) -> bool:
+    """Whether a model of n_x states keeps a Jacobian for a stepper."""
+    return stepper.implicit and (stepper.name != "auto" or n_x <= MOST_STATES)
