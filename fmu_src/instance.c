@@ -9,50 +9,7 @@
 
 #include "kernels.h"
 
-const char *const CATEGORY_NAMES[N_CATEGORIES] = {"logEvents",        "logStatusWarning",
-                                                  "logStatusDiscard", "logStatusError",
-                                                  "logStatusFatal",   "logAll"};
-
-/* ---- log ---- */
-
-static Category category_of(fmi2Status status)
-{
-    switch (status) {
-        case fmi2Warning: return LOG_WARNING;
-        case fmi2Discard: return LOG_DISCARD;
-        case fmi2Error:   return LOG_ERROR;
-        case fmi2Fatal:   return LOG_FATAL;
-        default:          return LOG_EVENTS;
-    }
-}
-
-fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...)
-{
-    Category category = category_of(status);
-    bool wanted = category == LOG_WARNING || category == LOG_ERROR || category == LOG_FATAL
-                  || c->logged[LOG_ALL] || c->logged[category];
-
-    if (!wanted || !c->callbacks.logger) return status;
-
-    char text[1024], message[2 * sizeof text];
-    va_list args;
-
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-
-    /* the logger takes a format (%) in which #r12# stands for a variable: double both signs */
-    char *to = message;
-    for (const char *from = text; *from; from++) {
-        if (*from == '%' || *from == '#') *to++ = *from;
-        *to++ = *from;
-    }
-    *to = '\0';
-
-    c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status,
-                        CATEGORY_NAMES[category], message);
-    return status;
-}
+/* ---- what kernels say ---- */
 
 /* Where an array of the state is. */
 static double *in_state(const Instance *c, int array)
@@ -60,10 +17,10 @@ static double *in_state(const Instance *c, int array)
     return c->state + c->ints[array];
 }
 
-/* Writes a text in which %s stands for the name and each %g for the next of two numbers. The text
+/* Writes a text in which %s stands for the name and each %g for the next of the numbers. The text
    comes from a file and is never a format. */
 static void fill_in(char *to, size_t size, const char *text, const char *name,
-                    const double numbers[2])
+                    const double numbers[NOTICE_WIDTH - 1])
 {
     const char *end = to + size - 1;
     char digits[32];
@@ -72,7 +29,7 @@ static void fill_in(char *to, size_t size, const char *text, const char *name,
         const char *word = NULL;
 
         if (strncmp(text, "%s", 2) == 0) word = name;
-        if (strncmp(text, "%g", 2) == 0 && k < 2) {
+        if (strncmp(text, "%g", 2) == 0 && k < NOTICE_WIDTH - 1) {
             snprintf(digits, sizeof digits, "%.6g", numbers[k++]);
             word = digits;
         }
@@ -86,41 +43,36 @@ static void fill_in(char *to, size_t size, const char *text, const char *name,
     *to = '\0';
 }
 
-/* Tells what a status means, with up to two numbers for its text. */
-static fmi2Status tell(Instance *c, fmi2Status severity, const char *doing, int64_t status,
-                       const double numbers[2])
+/* Tells what a status means, with the numbers of its text. */
+static Status tell(Instance *c, Status severity, const char *doing, int64_t status,
+                   const double numbers[NOTICE_WIDTH - 1])
 {
-    char told[768];
+    char told[LONGEST_MESSAGE - 256];
     int64_t code = status % PLACE, place = status / PLACE;
     const Resource *r = &c->resource;
     const char *text = resource_message(r, code);
-    const char *name = "?";
-
-    /* the places are followed by the outputs */
-    if (place >= 0 && place < r->n_places)
-        name = r->places[place];
-    else if (place >= 0 && place < r->n_places + r->n_y)
-        name = r->names[r->n_u + place - r->n_places];
+    const char *name = resource_place(r, place);
 
     if (text)
         fill_in(told, sizeof told, text, name, numbers);
     else
         snprintf(told, sizeof told, "failure %d at %s", (int)code, name);
-    return instance_log(c, severity, "%s at t = %.9g s: %s", doing, *in_state(c, AT_time), told);
+    return log_tell(&c->log, severity, "%s at t = %.9g s: %s", doing, *in_state(c, AT_time), told);
 }
 
 /* Tells what a kernel said; OK when it said nothing. `severity` is that of a failure. */
-static fmi2Status report(Instance *c, fmi2Status severity, const char *doing, int32_t broken,
-                         int64_t status)
+static Status report(Instance *c, Status severity, const char *doing, int32_t broken,
+                     int64_t status)
 {
-    static const double none[2] = {0, 0};
+    static const double none[NOTICE_WIDTH - 1] = {0};
 
-    if (broken) return instance_log(c, fmi2Fatal, "%s: internal failure %d", doing, (int)broken);
-    return status == 0 ? fmi2OK : tell(c, severity, doing, status, none);
+    if (broken)
+        return log_tell(&c->log, STATUS_FATAL, "%s: internal failure %d", doing, (int)broken);
+    return status == CODE_OK ? STATUS_OK : tell(c, severity, doing, status, none);
 }
 
 /* Tells the notices of the kernels, once; the state may come from outside. */
-static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
+static void tell_notices(Instance *c, Status severity, const char *doing)
 {
     double *untold = in_state(c, AT_notices), count = *untold;
 
@@ -130,19 +82,89 @@ static void tell_notices(Instance *c, fmi2Status severity, const char *doing)
         if (notice[0] > 0 && notice[0] < INT32_MAX) {
             int64_t code = (int64_t)notice[0] % PLACE;
             bool event = code == CODE_STIFF || code == CODE_NOT_STIFF;
-            tell(c, severity == fmi2OK && !event ? fmi2Warning : severity, doing,
+            tell(c, severity == STATUS_OK && !event ? STATUS_WARNING : severity, doing,
                  (int64_t)notice[0], notice + 1);
         }
     }
     if (count > MOST_NOTICES)
-        instance_log(c, severity, "%s: and %.9g more of this kind", doing, count - MOST_NOTICES);
+        log_tell(&c->log, severity, "%s: and %.9g more of this kind", doing, count - MOST_NOTICES);
 }
 
-void instance_warn(Instance *c)
+/* ---- kernels ---- */
+
+/* Brings the state up to date with the parameters and, before the simulation, the start values. */
+static Status prepare(Instance *c)
 {
-    for (int64_t i = 0; i < c->resource.n_notices; i++)
-        instance_log(c, fmi2Warning, "%s", c->resource.notices[i]);
-    tell_notices(c, fmi2Warning, "initialisation");
+    void *excinfo;
+    int64_t status = CODE_OK;
+
+    /* the start too: prepare clears the notices of an earlier one */
+    if (!c->core->prepared || !c->core->started) {
+        int32_t broken = mbdfmi_prepare(&status, &excinfo, M_OF(c), D_OF(c));
+        Status result = report(c, STATUS_ERROR, "parameters", broken, status);
+        if (result != STATUS_OK) return result;
+        c->core->prepared = 1;
+    }
+
+    if (!c->core->started) {
+        int32_t broken =
+            mbdfmi_initialise(&status, &excinfo, M_OF(c), D_OF(c), c->core->start_time);
+        Status result = report(c, STATUS_ERROR, "initialisation", broken, status);
+        if (result != STATUS_OK) {
+            tell_notices(c, STATUS_ERROR, "initialisation");
+            return result;
+        }
+        c->core->started = 1;
+    }
+    return STATUS_OK;
+}
+
+Status instance_outputs(Instance *c)
+{
+    if (c->current) return STATUS_OK;
+
+    Status result = prepare(c);
+    if (result != STATUS_OK) return result;
+
+    void *excinfo;
+    int64_t status = CODE_OK;
+    int32_t broken = mbdfmi_outputs(&status, &excinfo, M_OF(c), D_OF(c), c->y);
+
+    /* a value that is not finite is refused where it is asked for */
+    if (status % PLACE == CODE_OUTPUT_NOT_FINITE) status = CODE_OK;
+
+    result = report(c, STATUS_ERROR, "outputs", broken, status);
+    c->current = result == STATUS_OK;
+    return result;
+}
+
+/* Advances from the communication point t by H (s), both already checked. */
+static Status advance(Instance *c, double t, double H)
+{
+    Core *core = c->core;
+    double end = t + H;
+
+    /* A master that forms H as the difference of two times is off by their rounding: take the
+       last step's H again, so that all ways to count time give the same bits. */
+    double rounding = 4 * DBL_EPSILON * fmax(fabs(t), fabs(end));
+    if (core->step > 0 && fabs(H - core->step) <= rounding) H = core->step;
+
+    void *excinfo;
+    int64_t status = CODE_OK;
+    double before = *in_state(c, AT_time);
+    int32_t broken = mbdfmi_step(&status, &excinfo, M_OF(c), D_OF(c), H);
+
+    tell_notices(c, STATUS_OK, "step");
+    Status result = report(c, STATUS_DISCARD, "step", broken, status);
+    c->current = false;
+    if (result == STATUS_OK) {
+        core->time = end;
+        core->step = H;
+    } else {
+        core->time = t + (*in_state(c, AT_time) - before);
+        core->mode = STEP_FAILED;
+    }
+    return result;
 }
 
 /* ---- life ---- */
@@ -157,9 +179,9 @@ static char *copy_text(const char *text)
 static bool allocate(Instance *c)
 {
     const Resource *r = &c->resource;
+    int64_t n = r->n_reals + r->n_state + N_DERIVATIVE * r->n_u;
 
-    c->core_size =
-        sizeof(Core) + (size_t)(r->n_reals + r->n_state + N_DERIVATIVE * r->n_u) * sizeof(double);
+    c->core_size = sizeof(Core) + (size_t)n * sizeof(double);
     c->core = calloc(1, c->core_size);
     c->work = calloc((size_t)r->n_work + 1, sizeof(double));
     c->y = calloc((size_t)r->n_y + 1, sizeof(double));
@@ -172,34 +194,46 @@ static bool allocate(Instance *c)
     return true;
 }
 
-Instance *instance_create(const char *name, const char *guid, const char *location,
-                          const fmi2CallbackFunctions *callbacks, bool logging)
+/* Sets all memory to the start. */
+static void restart(Instance *c)
 {
-    char why[1024];
+    const Resource *r = &c->resource;
+
+    memset(c->core, 0, c->core_size);
+    memset(c->work, 0, (size_t)r->n_work * sizeof(double));
+    memcpy(c->reals, r->reals, (size_t)r->n_reals * sizeof(double));
+    memcpy(c->u, r->u_start, (size_t)r->n_u * sizeof(double));
+    c->core->stop_time = INFINITY;
+    c->core->mode = INSTANTIATED;
+    c->current = false;
+}
+
+Instance *instance_create(const char *name, const char *guid, const char *location, const Log *log)
+{
+    char why[LONGEST_MESSAGE];
     Instance *c = calloc(1, sizeof *c);
 
     if (!c) return NULL;
-    c->logged[LOG_ALL] = logging;
-    if (callbacks) c->callbacks = *callbacks;
-    c->name = copy_text(name ? name : "");
+    c->log = *log;
+    c->log.name = copy_text(name ? name : "");
 
-    if (!c->name)
-        instance_log(c, fmi2Error, "out of memory");
+    if (!c->log.name)
+        log_tell(&c->log, STATUS_ERROR, "out of memory");
     else if (!name || !*name)
-        instance_log(c, fmi2Error, "the instance needs a name");
+        log_tell(&c->log, STATUS_ERROR, "the instance needs a name");
     else if (!guid)
-        instance_log(c, fmi2Error, "the GUID is missing");
+        log_tell(&c->log, STATUS_ERROR, "the GUID is missing");
     else if (!location)
-        instance_log(c, fmi2Error, "the resource location is missing");
+        log_tell(&c->log, STATUS_ERROR, "the resource location is missing");
     else if (!resource_read(&c->resource, location, why, sizeof why))
-        instance_log(c, fmi2Error, "%s", why);
+        log_tell(&c->log, STATUS_ERROR, "%s", why);
     else if (strcmp(guid, c->resource.guid) != 0)
-        instance_log(c, fmi2Error, "the GUID is '%s', that of the resource file is '%s'", guid,
-                     c->resource.guid);
+        log_tell(&c->log, STATUS_ERROR, "the GUID is '%s', that of the resource file is '%s'", guid,
+                 c->resource.guid);
     else if (!allocate(c))
-        instance_log(c, fmi2Error, "out of memory");
+        log_tell(&c->log, STATUS_ERROR, "out of memory");
     else {
-        instance_reset(c);
+        restart(c);
         return c;
     }
 
@@ -213,97 +247,118 @@ void instance_free(Instance *c)
     free(c->core);
     free(c->work);
     free(c->y);
-    free(c->name);
+    free(c->log.name);
     free(c);
 }
 
-void instance_reset(Instance *c)
+/* ---- calls ---- */
+
+static const char *mode_name(int64_t mode)
+{
+    switch (mode) {
+        case INSTANTIATED:   return "instantiated";
+        case INITIALIZATION: return "initialization mode";
+        case STEP_COMPLETE:  return "step complete";
+        case STEP_FAILED:    return "step failed";
+        default:             return "terminated";
+    }
+}
+
+bool instance_enter(Instance *c, const char *function, int modes)
+{
+    if (!c) return false;
+    c->function = function;
+    if (c->core->mode & modes) return true;
+    log_tell(&c->log, STATUS_ERROR, "%s is not allowed in the state '%s'", function,
+             mode_name(c->core->mode));
+    return false;
+}
+
+Status instance_refuse(Instance *c, const char *format, ...)
+{
+    char why[LONGEST_MESSAGE];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(why, sizeof why, format, args);
+    va_end(args);
+    return log_tell(&c->log, STATUS_ERROR, "%s: %s", c->function, why);
+}
+
+Status instance_choose_log(Instance *c, bool on, size_t n, const char *const categories[])
+{
+    if (n > 0 && !categories) return instance_refuse(c, "categories is NULL");
+
+    const char *unknown = log_choose(&c->log, on, n, categories);
+    return unknown ? instance_refuse(c, "unknown category '%s'", unknown) : STATUS_OK;
+}
+
+Status instance_setup(Instance *c, const double *tolerance, double start_time,
+                      const double *stop_time)
+{
+    if (tolerance && !(isfinite(*tolerance) && *tolerance > 0))
+        return instance_refuse(c, "the tolerance is %g and must be positive", *tolerance);
+    if (!isfinite(start_time)) return instance_refuse(c, "the start time is %g", start_time);
+    if (stop_time && !(*stop_time >= start_time))
+        return instance_refuse(c, "the stop time %.9g s is before the start time %.9g s",
+                               *stop_time, start_time);
+
+    c->core->start_time = c->core->time = start_time;
+    c->core->stop_time = stop_time ? *stop_time : INFINITY;
+    c->core->started = 0;
+    c->current = false;
+
+    /* the same digits from every master */
+    if (tolerance)
+        return log_tell(&c->log, STATUS_OK, "the tolerance %g is not used: the scene's own holds",
+                        *tolerance);
+    return STATUS_OK;
+}
+
+Status instance_start(Instance *c)
 {
     const Resource *r = &c->resource;
+    Status result = prepare(c);
 
-    memset(c->core, 0, c->core_size);
-    memset(c->work, 0, (size_t)r->n_work * sizeof(double));
-    memcpy(c->reals, r->reals, (size_t)r->n_reals * sizeof(double));
-    memcpy(c->u, r->u_start, (size_t)r->n_u * sizeof(double));
-    c->core->stop_time = INFINITY;
-    c->core->mode = INSTANTIATED;
-    c->current = false;
+    if (result != STATUS_OK) return result;
+    c->core->mode = STEP_COMPLETE;
+
+    for (int64_t i = 0; i < r->n_notices; i++)
+        log_tell(&c->log, STATUS_WARNING, "%s", r->notices[i]);
+    tell_notices(c, STATUS_WARNING, "initialisation");
+    return log_tell(&c->log, STATUS_OK, "initialised at t = %.9g s", c->core->start_time);
 }
 
-/* ---- kernels ---- */
-
-fmi2Status instance_prepare(Instance *c)
+Status instance_step(Instance *c, double t, double H)
 {
-    void *excinfo;
-    int64_t status = 0;
+    double time = c->core->time;
 
-    /* the start too: prepare clears the notices of an earlier one */
-    if (!c->core->prepared || !c->core->started) {
-        int32_t broken = mbdfmi_prepare(&status, &excinfo, M_OF(c), D_OF(c));
-        fmi2Status result = report(c, fmi2Error, "parameters", broken, status);
-        if (result != fmi2OK) return result;
-        c->core->prepared = 1;
-    }
+    if (!(isfinite(H) && H > 0))
+        return instance_refuse(c, "the step size is %g s and must be positive", H);
 
-    if (!c->core->started) {
-        int32_t broken =
-            mbdfmi_initialise(&status, &excinfo, M_OF(c), D_OF(c), c->core->start_time);
-        fmi2Status result = report(c, fmi2Error, "initialisation", broken, status);
-        if (result != fmi2OK) {
-            tell_notices(c, fmi2Error, "initialisation");
-            return result;
-        }
-        c->core->started = 1;
-    }
-    return fmi2OK;
+    /* a master's own way to count time shows as rounding */
+    double slack = 1e-6 * H + 16 * DBL_EPSILON * fabs(time);
+    if (!(fabs(t - time) <= slack))
+        return instance_refuse(
+            c, "the communication point is t = %.17g s, this FMU is at t = %.17g s", t, time);
+    if (!isfinite(t + H))
+        return instance_refuse(c, "the step from t = %g s by %g s has no end", t, H);
+    if (t + H > c->core->stop_time + slack)
+        return instance_refuse(c, "the step ends at t = %.9g s, after the stop time %.9g s", t + H,
+                               c->core->stop_time);
+
+    Status result = prepare(c);
+    return result == STATUS_OK ? advance(c, t, H) : result;
 }
 
-fmi2Status instance_outputs(Instance *c)
+Status instance_terminate(Instance *c)
 {
-    if (c->current) return fmi2OK;
-
-    fmi2Status result = instance_prepare(c);
-    if (result != fmi2OK) return result;
-
-    void *excinfo;
-    int64_t status = 0;
-    int32_t broken = mbdfmi_outputs(&status, &excinfo, M_OF(c), D_OF(c), c->y);
-
-    /* a value that is not finite is refused where it is asked for */
-    if (status % PLACE == CODE_OUTPUT_NOT_FINITE) status = 0;
-
-    result = report(c, fmi2Error, "outputs", broken, status);
-    c->current = result == fmi2OK;
-    return result;
+    c->core->mode = TERMINATED;
+    return log_tell(&c->log, STATUS_OK, "terminated at t = %.9g s", c->core->time);
 }
 
-fmi2Status instance_step(Instance *c, double t, double H)
+Status instance_reset(Instance *c)
 {
-    fmi2Status result = instance_prepare(c);
-    if (result != fmi2OK) return result;
-
-    Core *core = c->core;
-    double end = t + H;
-
-    /* A master that forms H as the difference of two times is off by their rounding: take the
-       last step's H again, so that all ways to count time give the same bits. */
-    double rounding = 4 * DBL_EPSILON * fmax(fabs(t), fabs(end));
-    if (core->step > 0 && fabs(H - core->step) <= rounding) H = core->step;
-
-    void *excinfo;
-    int64_t status = 0;
-    double before = *in_state(c, AT_time);
-    int32_t broken = mbdfmi_step(&status, &excinfo, M_OF(c), D_OF(c), H);
-
-    tell_notices(c, fmi2OK, "step");
-    result = report(c, fmi2Discard, "step", broken, status);
-    c->current = false;
-    if (result == fmi2OK) {
-        core->time = end;
-        core->step = H;
-    } else {
-        core->time = t + (*in_state(c, AT_time) - before);
-        core->mode = STEP_FAILED;
-    }
-    return result;
+    restart(c);
+    return log_tell(&c->log, STATUS_OK, "reset");
 }

@@ -1,4 +1,5 @@
-/* One instance of the FMU: its memory, its life, its log, and the calls of the kernels. */
+/* One instance of the model: its memory, its life, and the calls of the kernels. A call that is
+   refused (STATUS_ERROR) changes nothing. */
 #ifndef MBDFMI_INSTANCE_H
 #define MBDFMI_INSTANCE_H
 
@@ -6,10 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "fmi2Functions.h"
+#include "log.h"
 #include "resource.h"
 
-/* the states of the standard's state machine that are reached here */
+/* the states of FMI's state machine that are reached here */
 typedef enum {
     INSTANTIATED = 1,
     INITIALIZATION = 2,
@@ -17,18 +18,6 @@ typedef enum {
     STEP_FAILED = 8,
     TERMINATED = 16
 } Mode;
-
-typedef enum {
-    LOG_EVENTS,
-    LOG_WARNING,
-    LOG_DISCARD,
-    LOG_ERROR,
-    LOG_FATAL,
-    LOG_ALL,
-    N_CATEGORIES
-} Category;
-
-extern const char *const CATEGORY_NAMES[N_CATEGORIES];
 
 /* What a snapshot holds: this, and behind it in the same block of memory reals, state, u. */
 typedef struct {
@@ -41,14 +30,13 @@ typedef struct {
 } Core;
 
 typedef struct {
-    char *name;
-    fmi2CallbackFunctions callbacks;
-    bool logged[N_CATEGORIES];
+    Log log;
+    const char *function; /* that the master has called, for the log */
 
     Resource resource;
-
     const int64_t *ints; /* the resource's */
-    Core *core;          /* the block of core_size bytes */
+
+    Core *core; /* the block of core_size bytes */
     size_t core_size;
     double *reals, *state, *u; /* parts of that block */
 
@@ -56,29 +44,37 @@ typedef struct {
     bool current; /* y follows from the present reals, state and u */
 } Instance;
 
-/* NULL, with the reason in the log, when the resource or the GUID is not good. */
-Instance *instance_create(const char *name, const char *guid, const char *location,
-                          const fmi2CallbackFunctions *callbacks, bool logging);
+/* NULL, with the reason in the log, when the resource or the GUID is not good. `log` is copied, its
+   name apart. */
+Instance *instance_create(const char *name, const char *guid, const char *location, const Log *log);
 
 void instance_free(Instance *c);
 
-/* back to the start: as after instance_create, the log settings apart */
-void instance_reset(Instance *c);
+/* Begins a call of a function that is allowed in some modes, or-ed; false when it is not. */
+bool instance_enter(Instance *c, const char *function, int modes);
 
-/* Tells the master and returns `status`, so that a refusal is one line. Warnings and errors always
-   reach the logger, the rest when its category is switched on. */
-fmi2Status instance_log(Instance *c, fmi2Status status, const char *format, ...);
+/* Tells the log that the function is refused, and why. */
+Status instance_refuse(Instance *c, const char *format, ...);
 
-/* Brings the state up to date with the parameters and, before the simulation, the start values. */
-fmi2Status instance_prepare(Instance *c);
+/* Switches categories of the log on or off, all when n is 0. */
+Status instance_choose_log(Instance *c, bool on, size_t n, const char *const categories[]);
 
-/* Tells what is to be known of the model and its start, once the start stands. */
-void instance_warn(Instance *c);
+/* Times in s; `tolerance` and `stop_time` are NULL when the master gives none. */
+Status instance_setup(Instance *c, const double *tolerance, double start_time,
+                      const double *stop_time);
 
-/* Brings y up to date too. */
-fmi2Status instance_outputs(Instance *c);
+/* Ends the initialisation: the start stands, and what is to be known of it is told. */
+Status instance_start(Instance *c);
 
-/* Advances from the communication point t by H (s), both already checked. */
-fmi2Status instance_step(Instance *c, double t, double H);
+/* Advances from the communication point t by H (s). */
+Status instance_step(Instance *c, double t, double H);
+
+Status instance_terminate(Instance *c);
+
+/* Back to the start: as after instance_create, the log's settings apart. */
+Status instance_reset(Instance *c);
+
+/* Brings y, and the state before it, up to date with parameters, start values and inputs. */
+Status instance_outputs(Instance *c);
 
 #endif

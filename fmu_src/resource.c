@@ -312,3 +312,10 @@ const char *resource_message(const Resource *r, int64_t code)
         if (strtoll(r->messages[2 * i], NULL, 10) == code) return r->messages[2 * i + 1];
     return NULL;
 }
+
+const char *resource_place(const Resource *r, int64_t place)
+{
+    if (place >= 0 && place < r->n_places) return r->places[place];
+    if (place >= 0 && place < r->n_places + r->n_y) return r->names[r->n_u + place - r->n_places];
+    return "?";
+}

@@ -51,4 +51,7 @@ void resource_free(Resource *r);
 /* the text of a status code, or NULL */
 const char *resource_message(const Resource *r, int64_t code);
 
+/* the name of the place of a status; the places are followed by the outputs */
+const char *resource_place(const Resource *r, int64_t place);
+
 #endif

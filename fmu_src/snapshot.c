@@ -11,56 +11,28 @@
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 
-struct Snapshot {
+typedef struct {
     char magic[8];
     uint32_t version;
     uint32_t crc; /* of core and what follows, in the serialised form */
     int64_t n_reals, n_state, n_u;
     char guid[GUID_SIZE];
     Core core; /* and the rest of the instance's block */
-};
+} Snapshot;
 
 #define HEAD_SIZE offsetof(Snapshot, core)
 
-size_t snapshot_size(const Instance *c)
+static size_t size_of(const Instance *c)
 {
     return HEAD_SIZE + c->core_size;
 }
 
-Snapshot *snapshot_take(const Instance *c, Snapshot *s)
+/* NULL when the snapshot is one of this model, else what is wrong with it. */
+static const char *fault_of(const Instance *c, const Snapshot *s)
 {
     const Resource *r = &c->resource;
 
-    if (!s) s = malloc(snapshot_size(c));
-    if (!s) return NULL;
-
-    memcpy(s->magic, MAGIC, sizeof MAGIC);
-    s->version = VERSION;
-    s->crc = 0;
-    s->n_reals = r->n_reals;
-    s->n_state = r->n_state;
-    s->n_u = r->n_u;
-    memcpy(s->guid, r->guid, GUID_SIZE);
-    memcpy((char *)s + HEAD_SIZE, c->core, c->core_size);
-    return s;
-}
-
-void snapshot_restore(Instance *c, const Snapshot *s)
-{
-    c->current = false;
-    memcpy(c->core, (const char *)s + HEAD_SIZE, c->core_size);
-    c->work[c->ints[AT_lu_known]] = 0;
-}
-
-void snapshot_free(Snapshot *s)
-{
-    free(s);
-}
-
-const char *snapshot_fault(const Instance *c, const Snapshot *s)
-{
-    const Resource *r = &c->resource;
-
+    if (!s) return "it is NULL";
     if (memcmp(s->magic, MAGIC, sizeof MAGIC) != 0)
         return "it is not a state of an FMU made by mbdfmi";
     if (s->version != VERSION) return "it has another format";
@@ -70,17 +42,99 @@ const char *snapshot_fault(const Instance *c, const Snapshot *s)
     return NULL;
 }
 
-void snapshot_write(const Instance *c, const Snapshot *s, char *bytes)
+static Status check(Instance *c, const Snapshot *s)
 {
-    uint32_t crc = crc32_of((const char *)s + HEAD_SIZE, c->core_size);
+    const char *fault = fault_of(c, s);
 
-    memcpy(bytes, s, snapshot_size(c));
-    memcpy(bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
+    return fault ? instance_refuse(c, "the FMU state is refused: %s", fault) : STATUS_OK;
+}
+
+/* The snapshot that *state is, or a new one when it is NULL; NULL, and `result` says why. */
+static Snapshot *make_room(Instance *c, void **state, Status *result)
+{
+    if (!state) {
+        *result = instance_refuse(c, "FMUstate is NULL");
+        return NULL;
+    }
+    if (*state) {
+        *result = check(c, *state);
+        return *result == STATUS_OK ? *state : NULL;
+    }
+
+    Snapshot *s = malloc(size_of(c));
+    *result = s ? STATUS_OK : instance_refuse(c, "out of memory");
+    return s;
+}
+
+Status snapshot_get(Instance *c, void **state)
+{
+    const Resource *r = &c->resource;
+    Status result;
+    Snapshot *s = make_room(c, state, &result);
+
+    if (!s) return result;
+    memcpy(s->magic, MAGIC, sizeof MAGIC);
+    s->version = VERSION;
+    s->crc = 0;
+    s->n_reals = r->n_reals;
+    s->n_state = r->n_state;
+    s->n_u = r->n_u;
+    memcpy(s->guid, r->guid, GUID_SIZE);
+    memcpy((char *)s + HEAD_SIZE, c->core, c->core_size);
+    *state = s;
+    return STATUS_OK;
+}
+
+Status snapshot_set(Instance *c, const void *state)
+{
+    Status result = check(c, state);
+
+    if (result != STATUS_OK) return result;
+    memcpy(c->core, (const char *)state + HEAD_SIZE, c->core_size);
+    c->work[c->ints[AT_lu_known]] = 0;
+    c->current = false;
+    return STATUS_OK;
+}
+
+Status snapshot_free(Instance *c, void **state)
+{
+    if (!state || !*state) return STATUS_OK;
+
+    Status result = check(c, *state);
+    if (result != STATUS_OK) return result;
+    free(*state);
+    *state = NULL;
+    return STATUS_OK;
+}
+
+Status snapshot_size(Instance *c, const void *state, size_t *size)
+{
+    Status result = check(c, state);
+
+    if (result != STATUS_OK) return result;
+    if (!size) return instance_refuse(c, "size is NULL");
+    *size = size_of(c);
+    return STATUS_OK;
+}
+
+Status snapshot_serialise(Instance *c, const void *state, void *bytes, size_t size)
+{
+    Status result = check(c, state);
+
+    if (result != STATUS_OK) return result;
+    if (!bytes) return instance_refuse(c, "serializedState is NULL");
+    if (size < size_of(c))
+        return instance_refuse(c, "%zu bytes are given, %zu are needed", size, size_of(c));
+
+    uint32_t crc = crc32_of((const char *)state + HEAD_SIZE, c->core_size);
+    memcpy(bytes, state, size_of(c));
+    memcpy((char *)bytes + offsetof(Snapshot, crc), &crc, sizeof crc);
+    return STATUS_OK;
 }
 
 /* Whether the core and the numbers behind it could be those of an instance. What the kernels keep in
    the state is theirs to judge: they end a step or an output that is not finite. */
-static bool possible(const Instance *c, const Core *core)
+static bool is_possible(const Instance *c, const Core *core)
 {
     const Resource *r = &c->resource;
     const double *reals = (const double *)(core + 1), *state = reals + r->n_reals;
@@ -103,32 +157,42 @@ static bool possible(const Instance *c, const Core *core)
     return true;
 }
 
-Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size,
-                        const char **fault)
+/* What is wrong with a serialised state, a copy of size_of(c) bytes; NULL when nothing is. */
+static const char *fault_of_bytes(const Instance *c, const Snapshot *copy)
 {
-    if (size != snapshot_size(c)) {
-        *fault = "its length is not that of a state of this FMU";
-        return NULL;
-    }
+    const char *fault = fault_of(c, copy);
 
+    if (fault) return fault;
+    if (crc32_of((const char *)copy + HEAD_SIZE, c->core_size) != copy->crc)
+        return "its checksum is wrong: damaged";
+    return is_possible(c, &copy->core) ? NULL : "it holds impossible values";
+}
+
+Status snapshot_deserialise(Instance *c, const void *bytes, size_t size, void **state)
+{
+    if (!bytes) return instance_refuse(c, "serializedState is NULL");
+    if (!state) return instance_refuse(c, "FMUstate is NULL");
+    if (size != size_of(c))
+        return instance_refuse(c, "the serialised state is refused: its length is not that of a "
+                                  "state of this FMU");
+
+    /* a copy: the bytes may lie at any address, and *state is to stay as it is on a fault */
     Snapshot *copy = malloc(size);
-    if (!copy) {
-        *fault = "out of memory";
-        return NULL;
-    }
+    if (!copy) return instance_refuse(c, "out of memory");
     memcpy(copy, bytes, size);
 
-    *fault = snapshot_fault(c, copy);
-    if (!*fault && crc32_of(bytes + HEAD_SIZE, c->core_size) != copy->crc)
-        *fault = "its checksum is wrong: damaged";
-    if (!*fault && !possible(c, &copy->core)) *fault = "it holds impossible values";
-    if (*fault) {
-        free(copy);
-        return NULL;
-    }
+    const char *fault = fault_of_bytes(c, copy);
+    Status result;
+    Snapshot *s = NULL;
 
-    if (!s) return copy;
-    memcpy(s, copy, size);
+    if (fault)
+        result = instance_refuse(c, "the serialised state is refused: %s", fault);
+    else
+        s = make_room(c, state, &result);
+    if (s) {
+        memcpy(s, copy, size);
+        *state = s;
+    }
     free(copy);
-    return s;
+    return result;
 }

@@ -1,29 +1,24 @@
 /* Snapshots of an instance: a head and a copy of its block of memory. The bytes of a snapshot are
-   also its serialised form. */
+   also its serialised form. To a master they are pointers to it knows not what; one that is not of
+   this model is refused. */
 #ifndef MBDFMI_SNAPSHOT_H
 #define MBDFMI_SNAPSHOT_H
 
 #include "instance.h"
 
-typedef struct Snapshot Snapshot;
+/* Fills the snapshot *state, or a new one when it is NULL. */
+Status snapshot_get(Instance *c, void **state);
 
-/* Fills the given snapshot, or a new one when it is NULL; NULL when memory is short. */
-Snapshot *snapshot_take(const Instance *c, Snapshot *s);
+Status snapshot_set(Instance *c, const void *state);
 
-void snapshot_restore(Instance *c, const Snapshot *s);
+/* Frees *state, if there is one, and makes it NULL. */
+Status snapshot_free(Instance *c, void **state);
 
-void snapshot_free(Snapshot *s);
+Status snapshot_size(Instance *c, const void *state, size_t *size);
 
-/* NULL when the snapshot is one of this model, else what is wrong with it. */
-const char *snapshot_fault(const Instance *c, const Snapshot *s);
+Status snapshot_serialise(Instance *c, const void *state, void *bytes, size_t size);
 
-size_t snapshot_size(const Instance *c);
-
-/* snapshot_size bytes */
-void snapshot_write(const Instance *c, const Snapshot *s, char *bytes);
-
-/* Fills the given snapshot, or a new one when it is NULL; NULL and *fault when refused. */
-Snapshot *snapshot_read(const Instance *c, Snapshot *s, const char *bytes, size_t size,
-                        const char **fault);
+/* Fills the snapshot *state, or a new one when it is NULL. */
+Status snapshot_deserialise(Instance *c, const void *bytes, size_t size, void **state);
 
 #endif

@@ -8,7 +8,7 @@ import pytest
 from fmu_host import Instance, Library
 
 from mbdfmi.compiler import model as compiler
-from mbdfmi.export import aot, export_fmu, header, link
+from mbdfmi.export import aot, description, export_fmu, header, link
 from mbdfmi.export.resource import resource
 from mbdfmi.kernels import layout, status
 from mbdfmi.scene import read_scene
@@ -63,6 +63,7 @@ def test_places_of_counts_and_arrays():
     assert {f"AT_{name}": slot for name, slot in layout.SLOT.items()}.items() <= values.items()
     assert values["HEADER_LENGTH"] == layout.HEADER_LENGTH
     assert values["CODE_STIFF"] == status.STIFF
+    assert values["N_CATEGORY"] == len(description.LOG_CATEGORIES)
 
 
 def test_the_header_follows_the_table(monkeypatch):
@@ -92,6 +93,16 @@ def test_no_place_is_written_by_hand():
     """Buffers of a model are indexed by names of layout.h."""
     for path in C_SOURCES:
         assert not re.findall(r"\b(?:ints|reals|state|work)\[\d+\]", path.read_text()), path.name
+
+
+def test_one_file_alone_speaks_fmi():
+    """A version of FMI is a file over what all share."""
+    speaking = [
+        path.name
+        for path in C_SOURCES
+        if re.search(r"\bfmi\d\w", re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL))
+    ]
+    assert speaking == ["fmi2.c"]
 
 
 # arrays of a resource file

@@ -4,12 +4,14 @@ No place in a buffer, no size, code or name that both languages use is written d
 """
 
 import inspect
+import re
 from collections.abc import Iterable
 
 from numba import types
 
 from ..kernels import entry, layout, status, views
 from ..kernels.motion.commands import N_DERIVATIVE
+from .description import LOG_CATEGORIES
 
 NAME = "layout.h"
 
@@ -21,7 +23,7 @@ _VIEWS = {views.MODEL: ("m", views.ModelView), views.DATA: ("d", views.DataView)
 
 def layout_header() -> str:
     """The text of layout.h."""
-    parts = [_arrays(), _statuses(), _entries()]
+    parts = [_arrays(), _statuses(), _entries(), _log()]
     return "\n\n".join(
         [
             f"/* Written by {__name__} when a library is linked: what C knows of the package. */",
@@ -115,3 +117,13 @@ def _argument(kind, name: str) -> str:
         f"const int64_t *{name}_{buffer}" if buffer == "ints" else f"double *{name}_{buffer}"
         for buffer in view._buffer_names
     )
+
+
+def _log() -> str:
+    """Categories of the log (description.py): logStatusError is LOG_STATUS_ERROR."""
+    names = [re.sub("[A-Z]", lambda found: "_" + found[0], name).upper() for name in LOG_CATEGORIES]
+    quoted = ", ".join(f'"{name}"' for name in LOG_CATEGORIES)
+    return f"""/* Categories of the log. */
+{_enum([*names, "N_CATEGORY"])}
+
+static const char *const CATEGORY_NAMES[N_CATEGORY] = {{{quoted}}};"""
