@@ -69,7 +69,7 @@ typedef struct {{
 
 #define ONCE (-1)
 
-/* The arrays, as their offsets stand in the head of ints and as they follow one another in their buffers. */
+/* The arrays, in the order of their offsets. */
 static const Array ARRAYS[HEADER_LENGTH - N_COUNT] = {{
 {"".join(rows)}}};"""
 
@@ -95,7 +95,7 @@ def _entries() -> str:
     lines = []
 
     for name, view in _VIEWS.values():
-        buffers = ", ".join(f"(c)->{buffer}" for buffer in view._buffer_names)
+        buffers = ", ".join(f"(c)->{buffer}" for buffer in view.buffer_names)
         lines.append(f"#define {name.upper()}_OF(c) {buffers}\n")
 
     for name, (kernel, signature) in entry.ENTRIES.items():
@@ -115,7 +115,7 @@ def _argument(kind, name: str) -> str:
     name, view = _VIEWS[kind]
     return ", ".join(
         f"const int64_t *{name}_{buffer}" if buffer == "ints" else f"double *{name}_{buffer}"
-        for buffer in view._buffer_names
+        for buffer in view.buffer_names
     )
 
 

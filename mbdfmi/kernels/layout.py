@@ -251,7 +251,7 @@ ARRAYS = (
     Row("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
     # state
     Row("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
-    Row("notices", "state", 1, 1, "notices not told yet (status.py); these two stay at this place, for the wrapper reads them"),
+    Row("notices", "state", 1, 1, "notices not told yet (status.py)"),
     Row("notice", "state", 3, MOST_NOTICES, "status and two numbers of each"),
     Row("start_time", "state", 1, 1, "s"),
     Row("next_step", "state", 3, 1, "s, the step that rk54, rk853, radau try next, 0: none yet"),
@@ -310,7 +310,7 @@ ARRAYS = (
     Row("strut_start", "state", 1, "n_strut", "m, length at the start"),
     Row("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
-    Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; the wrapper clears it: first of all"),
+    Row("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; to be cleared when the state is not that of the last call"),
     Row("now", "work", 1, 1, "s, time of the evaluation"),
     Row("input", "work", 1, "n_u", "inputs now"),
     Row("command_fresh", "work", 1, 1, "1: the commands of this communication step are new, not left to go on"),

@@ -34,12 +34,12 @@ REALS = types.CPointer(types.float64)
 class _View:
     """The arrays of some buffers by name."""
 
-    _buffer_names: tuple[str, ...] = ()
+    buffer_names: tuple[str, ...] = ()
 
     def __init__(self, **buffers):
         load_apart()
 
-        for name in self._buffer_names:
+        for name in self.buffer_names:
             array = buffers[name]
             dtype = np.int64 if name == "ints" else np.float64
             assert array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1, name
@@ -51,7 +51,7 @@ class _View:
         self.__dict__.update(counts)
 
         for name, row in ROW.items():
-            if row.buffer in self._buffer_names:
+            if row.buffer in self.buffer_names:
                 offset = ints[SLOT[name]]
                 buffer = getattr(self, f"{row.buffer}_buffer")
                 setattr(self, name, buffer[offset : offset + row_length(row, counts)])
@@ -60,7 +60,7 @@ class _View:
 class ModelView(_View):
     """`m`: structure and parameters. Buffers: ints (int64) and reals (float64), one-dimensional."""
 
-    _buffer_names = ("ints", "reals")
+    buffer_names = ("ints", "reals")
 
 
 class DataView(_View):
@@ -69,7 +69,7 @@ class DataView(_View):
     `u_buffer` holds the inputs' values, then their derivatives of order 1 to 5, n_u each.
     """
 
-    _buffer_names = ("ints", "state", "work", "u")
+    buffer_names = ("ints", "state", "work", "u")
 
 
 class _ViewType(types.Type):
@@ -90,7 +90,7 @@ def _typeof_view(value, context):
 @register_model(_ViewType)
 class _ViewData(models.StructModel):
     def __init__(self, dmm, fe_type):
-        members = [(name, INTS if name == "ints" else REALS) for name in fe_type.view._buffer_names]
+        members = [(name, INTS if name == "ints" else REALS) for name in fe_type.view.buffer_names]
         super().__init__(dmm, fe_type, members)
 
 
@@ -98,7 +98,7 @@ class _ViewData(models.StructModel):
 def _unbox_view(typ, obj, c):
     struct = cgutils.create_struct_proxy(typ)(c.context, c.builder)
 
-    for name in typ.view._buffer_names:
+    for name in typ.view.buffer_names:
         address = c.pyapi.object_getattr_string(obj, f"{name}_address")
         value = c.pyapi.long_as_ulonglong(address)
         c.pyapi.decref(address)
@@ -116,10 +116,10 @@ class _ViewAttribute(AttributeTemplate):
         if name in COUNTS:
             return types.int64
 
-        if name == "u_buffer" and "u" in typ.view._buffer_names:
+        if name == "u_buffer" and "u" in typ.view.buffer_names:
             return REALS
 
-        if name in ROW and ROW[name].buffer in typ.view._buffer_names:
+        if name in ROW and ROW[name].buffer in typ.view.buffer_names:
             return INTS if ROW[name].buffer == "ints" else REALS
 
 
