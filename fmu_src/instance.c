@@ -179,18 +179,18 @@ static char *copy_text(const char *text)
 static bool allocate(Instance *c)
 {
     const Resource *r = &c->resource;
-    int64_t n = r->n_reals + r->n_state + N_DERIVATIVE * r->n_u;
+    int64_t n = r->n.reals + r->n.state + N_DERIVATIVE * r->n.u;
 
     c->core_size = sizeof(Core) + (size_t)n * sizeof(double);
     c->core = calloc(1, c->core_size);
-    c->work = calloc((size_t)r->n_work + 1, sizeof(double));
-    c->y = calloc((size_t)r->n_y + 1, sizeof(double));
+    c->work = calloc((size_t)r->n.work + 1, sizeof(double));
+    c->y = calloc((size_t)r->n.y + 1, sizeof(double));
     if (!c->core || !c->work || !c->y) return false;
 
     c->ints = r->ints;
     c->reals = (double *)(c->core + 1);
-    c->state = c->reals + r->n_reals;
-    c->u = c->state + r->n_state;
+    c->state = c->reals + r->n.reals;
+    c->u = c->state + r->n.state;
     return true;
 }
 
@@ -200,9 +200,9 @@ static void restart(Instance *c)
     const Resource *r = &c->resource;
 
     memset(c->core, 0, c->core_size);
-    memset(c->work, 0, (size_t)r->n_work * sizeof(double));
-    memcpy(c->reals, r->reals, (size_t)r->n_reals * sizeof(double));
-    memcpy(c->u, r->u_start, (size_t)r->n_u * sizeof(double));
+    memset(c->work, 0, (size_t)r->n.work * sizeof(double));
+    memcpy(c->reals, r->reals, (size_t)r->n.reals * sizeof(double));
+    memcpy(c->u, r->u_start, (size_t)r->n.u * sizeof(double));
     c->core->stop_time = INFINITY;
     c->core->mode = INSTANTIATED;
     c->current = false;
@@ -323,7 +323,7 @@ Status instance_start(Instance *c)
     if (result != STATUS_OK) return result;
     c->core->mode = STEP_COMPLETE;
 
-    for (int64_t i = 0; i < r->n_notices; i++)
+    for (int64_t i = 0; i < r->n.notices; i++)
         log_tell(&c->log, STATUS_WARNING, "%s", r->notices[i]);
     tell_notices(c, STATUS_WARNING, "initialisation");
     return log_tell(&c->log, STATUS_OK, "initialised at t = %.9g s", c->core->start_time);

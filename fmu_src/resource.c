@@ -15,25 +15,21 @@
 #include <windows.h>
 #endif
 
-#define FILE_NAME "model.bin"
-#define VERSION   3
-#define N_COUNTS  10
-#define N_SEALED  7                  /* of them: those of numbers */
+#define N_SIZES   (sizeof(Sizes) / sizeof(int64_t))
 #define MAX_COUNT (INT64_C(1) << 24) /* of any array: far beyond any model */
-
-static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', '\1'};
 
 /* The head of the file, as it lies there. */
 typedef struct {
-    char magic[8];
+    char magic[sizeof RESOURCE_MAGIC - 1];
     uint32_t version, crc;
     uint64_t length;
 } Head;
 
+/* What its length and checksum are of begins with this. */
 typedef struct {
-    int64_t count[N_COUNTS];
+    int64_t size[N_SIZES];
     char guid[GUID_SIZE];
-} Sizes;
+} Start;
 
 static bool fail(char *why, size_t why_size, const char *format, ...)
 {
@@ -103,7 +99,7 @@ static char *file_path(const char *location, char *why, size_t why_size)
     }
 #endif
 
-    char *path = malloc(strlen(from) + sizeof "/" FILE_NAME);
+    char *path = malloc(strlen(from) + sizeof "/" RESOURCE_NAME);
     if (!path) {
         fail(why, why_size, "out of memory");
         return NULL;
@@ -135,7 +131,7 @@ static char *file_path(const char *location, char *why, size_t why_size)
 
     size_t n = strlen(path);
     if (n > 0 && path[n - 1] != '/') path[n++] = '/';
-    memcpy(path + n, FILE_NAME, sizeof FILE_NAME);
+    memcpy(path + n, RESOURCE_NAME, sizeof RESOURCE_NAME);
     return path;
 }
 
@@ -157,18 +153,18 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
     Head head;
 
     if (fread(&head, sizeof head, 1, file) != 1) return fail(why, why_size, "it is too short");
-    if (memcmp(head.magic, MAGIC, sizeof MAGIC) != 0)
+    if (memcmp(head.magic, RESOURCE_MAGIC, sizeof head.magic) != 0)
         return fail(why, why_size, "it is not a model of mbdfmi");
-    if (head.version != VERSION)
+    if (head.version != RESOURCE_VERSION)
         return fail(why, why_size, "it has format %u, this library reads format %d",
-                    (unsigned)head.version, VERSION);
+                    (unsigned)head.version, RESOURCE_VERSION);
 
     /* the true length, before memory is asked for */
     long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     if (size < 0 || (uint64_t)size - sizeof head != head.length)
         return fail(why, why_size, "it has %ld bytes and should have %llu: truncated or damaged",
                     size, (unsigned long long)head.length + sizeof head);
-    if (head.length < sizeof(Sizes)) return fail(why, why_size, "it is too short");
+    if (head.length < sizeof(Start)) return fail(why, why_size, "it is too short");
 
     *length = (size_t)head.length;
     r->data = malloc(*length);
@@ -181,33 +177,33 @@ static bool read_data(Resource *r, FILE *file, size_t *length, char *why, size_t
 }
 
 /* Whether the GUID is that of the sizes and the numbers, `size` bytes with what stands behind them. */
-static bool is_sealed(const Sizes *sizes, const unsigned char *numbers, size_t size)
+static bool is_sealed(const Start *start, const unsigned char *numbers, size_t size)
 {
     Sha256 s;
     unsigned char digest[SHA256_SIZE];
     char hex[2 * 16 + 1], guid[GUID_SIZE];
 
     sha256_start(&s);
-    sha256_add(&s, sizes->count, N_SEALED * sizeof sizes->count[0]);
+    sha256_add(&s, start->size, N_SEALED * sizeof start->size[0]);
     sha256_add(&s, numbers, size);
     sha256_end(&s, digest);
     for (int i = 0; i < 16; i++) snprintf(hex + 2 * i, 3, "%02x", digest[i]);
     snprintf(guid, sizeof guid, "{%.8s-%.4s-%.4s-%.4s-%.12s}", hex, hex + 8, hex + 12, hex + 16,
              hex + 20);
-    return strcmp(guid, sizes->guid) == 0;
+    return strcmp(guid, start->guid) == 0;
 }
 
 /* Whether all arrays lie in their buffers. */
 static bool is_arranged(const Resource *r, char *why, size_t why_size)
 {
     const int64_t length[N_BUFFER] = {
-        [IN_INTS] = r->n_ints,
-        [IN_REALS] = r->n_reals,
-        [IN_STATE] = r->n_state,
-        [IN_WORK] = r->n_work,
+        [IN_INTS] = r->n.ints,
+        [IN_REALS] = r->n.reals,
+        [IN_STATE] = r->n.state,
+        [IN_WORK] = r->n.work,
     };
 
-    if (r->n_ints < HEADER_LENGTH || r->ints[COUNT_n_u] != r->n_u || r->ints[COUNT_n_y] != r->n_y)
+    if (r->n.ints < HEADER_LENGTH || r->ints[COUNT_n_u] != r->n.u || r->ints[COUNT_n_y] != r->n.y)
         return fail(why, why_size, "its sizes do not agree with those of its arrays");
 
     for (int k = N_COUNT; k < HEADER_LENGTH; k++) {
@@ -222,59 +218,71 @@ static bool is_arranged(const Resource *r, char *why, size_t why_size)
     return true;
 }
 
+/* Whether all variables lie in their buffers. */
+static bool are_variables_good(const Resource *r, char *why, size_t why_size)
+{
+    const int64_t room[N_KIND] = {
+        [VARIABLE_INPUT] = r->n.u,
+        [VARIABLE_OUTPUT] = r->n.y,
+        [VARIABLE_FIXED] = r->n.reals,
+        [VARIABLE_TUNABLE] = r->n.reals,
+    };
+
+    for (int64_t i = 0; i < r->n.variables; i++) {
+        const Variable *v = &r->variables[i];
+
+        if (v->kind < 0 || v->kind >= N_KIND)
+            return fail(why, why_size, "its variable '%s' is of no kind that is known",
+                        r->names[i]);
+        if (v->index < 0 || v->index >= room[v->kind])
+            return fail(why, why_size, "its variable '%s' lies outside its buffer", r->names[i]);
+    }
+    return true;
+}
+
 /* Sets the pointers into r->data, trusting no size in it. */
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
-    Sizes sizes;
-    int64_t *counts[N_COUNTS] = {&r->n_ints,     &r->n_reals,  &r->n_state, &r->n_work,
-                                 &r->n_u,        &r->n_y,      &r->n_param, &r->n_places,
-                                 &r->n_messages, &r->n_notices};
+    Start start;
 
-    memcpy(&sizes, r->data, sizeof sizes);
-    for (int i = 0; i < N_COUNTS; i++) {
-        if (sizes.count[i] < 0 || sizes.count[i] > MAX_COUNT)
+    memcpy(&start, r->data, sizeof start);
+    for (size_t i = 0; i < N_SIZES; i++)
+        if (start.size[i] < 0 || start.size[i] > MAX_COUNT)
             return fail(why, why_size, "it has an impossible size");
-        *counts[i] = sizes.count[i];
-    }
-    if (sizes.guid[GUID_SIZE - 1] != '\0') return fail(why, why_size, "its GUID is too long");
-    memcpy(r->guid, sizes.guid, GUID_SIZE);
+    if (start.guid[GUID_SIZE - 1] != '\0') return fail(why, why_size, "its GUID is too long");
+    memcpy(&r->n, start.size, sizeof r->n);
+    memcpy(r->guid, start.guid, GUID_SIZE);
 
     /* numbers: 8 bytes each; strings: at least their NUL */
-    int64_t n_numbers = r->n_ints + r->n_reals + r->n_u + 2 * r->n_param;
-    int64_t n_names = r->n_u + r->n_y + r->n_param;
-    int64_t n_strings = n_names + r->n_places + 2 * r->n_messages + r->n_notices;
-    int64_t room = (int64_t)(length - sizeof sizes) - SHA256_SIZE;
+    int64_t per_variable = sizeof(Variable) / 8;
+    int64_t n_numbers = r->n.ints + r->n.reals + r->n.u + per_variable * r->n.variables;
+    int64_t n_strings = r->n.variables + r->n.places + 2 * r->n.messages + r->n.notices;
+    int64_t room = (int64_t)(length - sizeof start) - SHA256_SIZE;
 
     if (n_numbers > room / 8 || n_strings > room - 8 * n_numbers)
         return fail(why, why_size, "its sizes do not agree with its length");
 
-    const unsigned char *data = r->data + sizeof sizes;
+    const unsigned char *data = r->data + sizeof start;
     r->ints = (const int64_t *)data;
-    r->reals = (const double *)(data + 8 * r->n_ints);
-    r->u_start = r->reals + r->n_reals;
-    r->param_index = (const int64_t *)(r->u_start + r->n_u);
-    r->param_tunable = r->param_index + r->n_param;
+    r->reals = (const double *)(r->ints + r->n.ints);
+    r->u_start = r->reals + r->n.reals;
+    r->variables = (const Variable *)(r->u_start + r->n.u);
 
-    for (int64_t i = 0; i < r->n_param; i++)
-        if (r->param_index[i] < 0 || r->param_index[i] >= r->n_reals)
-            return fail(why, why_size, "a parameter lies outside the reals");
-
-    if (!is_sealed(&sizes, data, (size_t)(8 * n_numbers + SHA256_SIZE)))
+    if (!is_sealed(&start, data, (size_t)(8 * n_numbers + SHA256_SIZE)))
         return fail(why, why_size, "its contents are not those that its GUID was made of");
-
     if (!is_arranged(r, why, why_size)) return false;
 
-    const char *text = (const char *)(r->param_tunable + r->n_param) + SHA256_SIZE;
+    const char *text = (const char *)(r->variables + r->n.variables) + SHA256_SIZE;
     const char *end = (const char *)(r->data + length);
 
     r->names = malloc((size_t)(n_strings + 1) * sizeof *r->names);
     if (!r->names) return fail(why, why_size, "out of memory");
-    r->places = r->names + n_names;
-    r->messages = r->places + r->n_places;
-    r->notices = r->messages + 2 * r->n_messages;
+    r->places = r->names + r->n.variables;
+    r->messages = r->places + r->n.places;
+    r->notices = r->messages + 2 * r->n.messages;
     if (!take_strings(r->names, n_strings, &text, end) || text != end)
         return fail(why, why_size, "its names do not agree with its length");
-    return true;
+    return are_variables_good(r, why, why_size);
 }
 
 bool resource_read(Resource *r, const char *location, char *why, size_t why_size)
@@ -308,14 +316,16 @@ void resource_free(Resource *r)
 
 const char *resource_message(const Resource *r, int64_t code)
 {
-    for (int64_t i = 0; i < r->n_messages; i++)
+    for (int64_t i = 0; i < r->n.messages; i++)
         if (strtoll(r->messages[2 * i], NULL, 10) == code) return r->messages[2 * i + 1];
     return NULL;
 }
 
 const char *resource_place(const Resource *r, int64_t place)
 {
-    if (place >= 0 && place < r->n_places) return r->places[place];
-    if (place >= 0 && place < r->n_places + r->n_y) return r->names[r->n_u + place - r->n_places];
+    if (place >= 0 && place < r->n.places) return r->places[place];
+    for (int64_t i = 0; i < r->n.variables; i++)
+        if (r->variables[i].kind == VARIABLE_OUTPUT && r->variables[i].index == place - r->n.places)
+            return r->names[i];
     return "?";
 }

@@ -37,7 +37,7 @@ static const char *fault_of(const Instance *c, const Snapshot *s)
         return "it is not a state of an FMU made by mbdfmi";
     if (s->version != VERSION) return "it has another format";
     if (memcmp(s->guid, r->guid, GUID_SIZE) != 0) return "it belongs to another FMU";
-    if (s->n_reals != r->n_reals || s->n_state != r->n_state || s->n_u != r->n_u)
+    if (s->n_reals != r->n.reals || s->n_state != r->n.state || s->n_u != r->n.u)
         return "its sizes are not those of this FMU";
     return NULL;
 }
@@ -76,9 +76,9 @@ Status snapshot_get(Instance *c, void **state)
     memcpy(s->magic, MAGIC, sizeof MAGIC);
     s->version = VERSION;
     s->crc = 0;
-    s->n_reals = r->n_reals;
-    s->n_state = r->n_state;
-    s->n_u = r->n_u;
+    s->n_reals = r->n.reals;
+    s->n_state = r->n.state;
+    s->n_u = r->n.u;
     memcpy(s->guid, r->guid, GUID_SIZE);
     memcpy((char *)s + HEAD_SIZE, c->core, c->core_size);
     *state = s;
@@ -137,8 +137,8 @@ Status snapshot_serialise(Instance *c, const void *state, void *bytes, size_t si
 static bool is_possible(const Instance *c, const Core *core)
 {
     const Resource *r = &c->resource;
-    const double *reals = (const double *)(core + 1), *state = reals + r->n_reals;
-    const double *u = state + r->n_state;
+    const double *reals = (const double *)(core + 1), *state = reals + r->n.reals;
+    const double *u = state + r->n.state;
     int64_t mode = core->mode;
 
     if (mode != INSTANTIATED && mode != INITIALIZATION && mode != STEP_COMPLETE
@@ -150,9 +150,9 @@ static bool is_possible(const Instance *c, const Core *core)
           && core->step >= 0 && isfinite(core->step) && isfinite(state[r->ints[AT_time]])))
         return false;
 
-    for (int64_t i = 0; i < r->n_reals; i++)
+    for (int64_t i = 0; i < r->n.reals; i++)
         if (!isfinite(reals[i]) && !(reals[i] == r->reals[i])) return false;
-    for (int64_t i = 0; i < N_DERIVATIVE * r->n_u; i++)
+    for (int64_t i = 0; i < N_DERIVATIVE * r->n.u; i++)
         if (!isfinite(u[i])) return false;
     return true;
 }

@@ -3,33 +3,21 @@
 #include <math.h>
 #include <string.h>
 
-/* Value references count inputs, outputs, parameters, in this order. */
-static bool is_input(const Instance *c, uint32_t vr)
+static int64_t kind_of(const Instance *c, uint32_t vr)
 {
-    return vr < c->resource.n_u;
-}
-
-static bool is_output(const Instance *c, uint32_t vr)
-{
-    return !is_input(c, vr) && vr < c->resource.n_u + c->resource.n_y;
-}
-
-static bool is_known(const Instance *c, uint32_t vr)
-{
-    return vr < c->resource.n_u + c->resource.n_y + c->resource.n_param;
-}
-
-static int64_t parameter_of(const Instance *c, uint32_t vr)
-{
-    return vr - c->resource.n_u - c->resource.n_y;
+    return c->resource.variables[vr].kind;
 }
 
 /* Where the value of a variable is. */
 static double *place_of(const Instance *c, uint32_t vr)
 {
-    if (is_input(c, vr)) return c->u + vr;
-    if (is_output(c, vr)) return c->y + (vr - c->resource.n_u);
-    return c->reals + c->resource.param_index[parameter_of(c, vr)];
+    int64_t index = c->resource.variables[vr].index;
+
+    switch (kind_of(c, vr)) {
+        case VARIABLE_INPUT:  return c->u + index;
+        case VARIABLE_OUTPUT: return c->y + index;
+        default:              return c->reals + index;
+    }
 }
 
 /* Refuses references to nothing, and NULL for an array that has elements. */
@@ -37,7 +25,8 @@ static Status check_references(Instance *c, const uint32_t vr[], size_t n, const
 {
     if (n > 0 && !(vr && value)) return instance_refuse(c, "NULL instead of an array");
     for (size_t i = 0; i < n; i++)
-        if (!is_known(c, vr[i])) return instance_refuse(c, "unknown value reference %u", vr[i]);
+        if (vr[i] >= c->resource.n.variables)
+            return instance_refuse(c, "unknown value reference %u", vr[i]);
     return STATUS_OK;
 }
 
@@ -47,7 +36,7 @@ Status variables_get(Instance *c, const uint32_t vr[], size_t n, double value[])
     Status result = check_references(c, vr, n, value);
 
     for (size_t i = 0; i < n && result == STATUS_OK; i++) {
-        if (is_output(c, vr[i])) result = instance_outputs(c);
+        if (kind_of(c, vr[i]) == VARIABLE_OUTPUT) result = instance_outputs(c);
         if (result == STATUS_OK) value[i] = *place_of(c, vr[i]);
         if (result == STATUS_OK && !isfinite(value[i]))
             return instance_refuse(c, "'%s' (value reference %u) is %g", names[vr[i]], vr[i],
@@ -59,19 +48,18 @@ Status variables_get(Instance *c, const uint32_t vr[], size_t n, double value[])
 /* Refuses what may not be set. */
 static Status check_set(Instance *c, uint32_t vr, double value)
 {
-    const Resource *r = &c->resource;
+    const char *name = c->resource.names[vr];
     bool running = c->core->mode == STEP_COMPLETE;
 
-    if (is_output(c, vr))
-        return instance_refuse(c, "'%s' (value reference %u) is an output and cannot be set",
-                               r->names[vr], vr);
-    if (running && !is_input(c, vr) && !r->param_tunable[parameter_of(c, vr)])
+    if (kind_of(c, vr) == VARIABLE_OUTPUT)
+        return instance_refuse(c, "'%s' (value reference %u) is an output and cannot be set", name,
+                               vr);
+    if (running && kind_of(c, vr) == VARIABLE_FIXED)
         return instance_refuse(
-            c, "the parameter '%s' (value reference %u) is fixed after the initialization",
-            r->names[vr], vr);
+            c, "the parameter '%s' (value reference %u) is fixed after the initialization", name,
+            vr);
     if (!isfinite(value))
-        return instance_refuse(c, "%g is no value for '%s' (value reference %u)", value,
-                               r->names[vr], vr);
+        return instance_refuse(c, "%g is no value for '%s' (value reference %u)", value, name, vr);
     return STATUS_OK;
 }
 
@@ -91,7 +79,7 @@ Status variables_set(Instance *c, const uint32_t vr[], size_t n, const double va
         *place = value[i];
         c->current = false;
         if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
-        if (!is_input(c, vr[i])) c->core->prepared = 0;
+        if (kind_of(c, vr[i]) != VARIABLE_INPUT) c->core->prepared = 0;
     }
     return STATUS_OK;
 }
@@ -101,7 +89,7 @@ static Status check_derivative(Instance *c, uint32_t vr, int32_t order, double v
 {
     const char *name = c->resource.names[vr];
 
-    if (!is_input(c, vr))
+    if (kind_of(c, vr) != VARIABLE_INPUT)
         return instance_refuse(c, "'%s' (value reference %u) is not an input", name, vr);
     if (order < 1 || order >= N_DERIVATIVE)
         return instance_refuse(c, "order %d of '%s': orders 1 to %d are known", (int)order, name,
@@ -121,7 +109,7 @@ Status variables_set_derivatives(Instance *c, const uint32_t vr[], size_t n, con
         result = check_derivative(c, vr[i], order[i], value[i]);
     if (result != STATUS_OK) return result;
 
-    for (size_t i = 0; i < n; i++) place_of(c, vr[i])[order[i] * c->resource.n_u] = value[i];
+    for (size_t i = 0; i < n; i++) place_of(c, vr[i])[order[i] * c->resource.n.u] = value[i];
 
     /* the speed of a commanded motion may be a derivative of its position */
     c->current = false;

@@ -1,11 +1,15 @@
-"""The border between Python and C: layout.h follows the tables of the package, and no array is looked for where it is not."""
+"""The border between Python and C: layout.h follows the tables of the package, and what a resource file says is checked, then believed."""
 
+import hashlib
 import re
+import struct
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
-from fmu_host import Instance, Library
+from fmu_host import ERROR, OK, Instance, Library
 
 from mbdfmi.compiler import model as compiler
 from mbdfmi.export import aot, description, export_fmu, header, link
@@ -41,11 +45,16 @@ def enumerated(text):
     return found
 
 
-def refusal(library, folder, data, guid):
-    """What the log says of an instance with other resources; None when it is taken."""
+def placed(library, folder, data, guid):
+    """An instance with other resources, or one that is refused."""
     folder.mkdir(exist_ok=True)
     (folder / "model.bin").write_bytes(data)
-    instance = Instance(library, location=folder.as_uri().encode(), guid=guid.encode(), logging=False)
+    return Instance(library, location=folder.as_uri().encode(), guid=guid.encode(), logging=False)
+
+
+def refusal(library, folder, data, guid):
+    """What the log says of an instance with other resources; None when it is taken."""
+    instance = placed(library, folder, data, guid)
 
     if instance.component is None:
         return instance.message
@@ -126,6 +135,71 @@ def test_arrays_outside_their_buffers_are_refused(model, library, tmp_path):
             ints = model.ints.copy()
             ints[slot] = value
             other = replace(model, ints=ints)
-            other = replace(other, guid=compiler._guid(other))
+            other = replace(other, guid=compiler.guid_of(other))
             said = refusal(library, tmp_path / "bad", resource(other, status.MESSAGES), other.guid)
             assert said and "is refused: its " in said, (name, value)
+
+
+# the table of value references
+
+
+def test_value_references_come_in_any_order(library, tmp_path):
+    """The table alone says what they are: with the variables in another order all is as before."""
+    model = compiler.compile_scene(read_scene(MODELS / "two_link_arm.toml"))
+    order = np.random.default_rng(3).permutation(len(model.variables))
+    other = replace(model, variables=[model.variables[k] for k in order])
+    other = replace(other, guid=compiler.guid_of(other))
+    rows = []
+
+    for case in (model, other):
+        instance = placed(library, tmp_path / "arm", resource(case, status.MESSAGES), case.guid)
+        reference = {v.name: k for k, v in enumerate(case.variables)}
+        fixed = next(v.name for v in model.variables if v.variability == "fixed")
+        torque, output = reference["shoulder.torque"], reference["shoulder.angle"]
+        assert instance.set({reference["upper.mass"]: 2.5, torque: 0.25}) == OK
+        instance.start()
+        assert instance.set_derivatives(torque, 1, 3.0) == instance.step(0.0, 0.1) == OK
+        assert instance.set({reference[fixed]: 1.0}) == instance.set({output: 1.0}) == ERROR
+        assert instance.set_derivatives(output, 1, 3.0) == ERROR and "'shoulder.angle'" in instance.message
+        assert instance.step(0.1, 0.1) == OK
+        rows.append(instance.get(*(reference[v.name] for v in model.variables)))
+        assert rows[-1][0] == OK
+        instance.free()
+
+    assert rows[0] == rows[1]
+
+
+def resealed(body):
+    """A resource file of this body, with the GUID and the checksum that go with it."""
+    ints, reals, _, _, u, _, variables = struct.unpack_from("<7q", body)
+    start, end = 144, 144 + 8 * (ints + reals + u + 2 * variables) + 32
+    h = hashlib.sha256(body[:56] + body[start:end]).hexdigest()
+    guid = f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+    body = body[:80] + guid.encode().ljust(64, b"\0") + body[start:]
+    return b"mbdfmi\0\1" + struct.pack("<IIQ", 4, zlib.crc32(body), len(body)) + body, guid
+
+
+def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
+    """Bits flipped in it, with a GUID and a checksum that agree: a message that names the variable, or values all the same."""
+    body = resource(model, status.MESSAGES)[24:]
+    assert resealed(body) == (resource(model, status.MESSAGES), model.guid)
+    table = 144 + 8 * (len(model.ints) + len(model.reals) + model.n_u)
+    rng = np.random.default_rng(5)
+    refused = 0
+
+    for _ in range(500):
+        damaged = bytearray(body)
+        damaged[table + int(rng.integers(16 * len(model.variables)))] ^= 1 << int(rng.integers(8))
+        instance = placed(library, tmp_path / "flipped", *resealed(bytes(damaged)))
+
+        if instance.component is None:
+            assert re.search("is refused: its variable '.+' (is of no kind|lies outside)", instance.message)
+            refused += 1
+            continue
+
+        instance.start()
+        assert instance.step(0.0, 0.01) == OK
+        instance.get(*range(len(model.variables)))
+        instance.free()
+
+    assert 300 < refused < 500

@@ -5,7 +5,6 @@ The names and shapes of the arrays are those of the table in `kernels/layout.py`
 
 import hashlib
 import re
-import struct
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,7 +34,7 @@ from .joints import add_joints
 from .light_parts import tell_light_parts
 from .reactions import add_reactions
 from .topology import Tree, absolute_tree, spanning_tree
-from .variables import Variable
+from .variables import TABLE, Variable
 
 
 @dataclass(frozen=True)
@@ -170,7 +169,7 @@ def _assemble(builder):
         guid="",
         notices=scene.notices + [str(notice) for notice in builder.notices],
     )
-    return replace(model, guid=_guid(model))
+    return replace(model, guid=guid_of(model))
 
 
 def _counts(builder):
@@ -241,10 +240,13 @@ def c_identifier(name: str) -> str:
     return text if re.match(r"[A-Za-z]", text) else f"m_{text}"
 
 
+SEALED_SIZES = ("ints", "reals", "state", "work", "u", "y", "variables")
+"""Sizes that the GUID is made of, in their order."""
+
+
 def sealed(model: Model) -> tuple[bytes, bytes]:
-    """What the GUID is made of, little endian, as it lies in an FMU: (7 sizes, the numbers and a digest of what is told
-    of the variables); see fmu_src/resource.h."""
-    parameters = model.of_causality("parameter")
+    """What the GUID is made of, little endian, as it lies in an FMU: (SEALED_SIZES, the numbers and a digest of
+    what is told of the variables); see fmu_src/resource.h."""
     sizes = (
         len(model.ints),
         len(model.reals),
@@ -252,20 +254,24 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.n_work,
         model.n_u,
         model.n_y,
-        len(parameters),
+        len(model.variables),
     )
+    u_start = np.zeros(model.n_u, "<f8")
+
+    for v in model.of_causality("input"):
+        u_start[v.index] = v.start
+
     numbers = (
         model.ints.astype("<i8"),
         model.reals.astype("<f8"),
-        np.array([v.start for v in model.of_causality("input")], "<f8"),
-        np.array([v.index for v in parameters], "<i8"),
-        np.array([v.variability == "tunable" for v in parameters], "<i8"),
+        u_start,
+        np.array([v.row for v in model.variables], TABLE),
     )
     told = hashlib.sha256(repr((model.variables, model.places)).encode()).digest()
-    return struct.pack("<7q", *sizes), b"".join(array.tobytes() for array in numbers) + told
+    return np.array(sizes, "<i8").tobytes(), b"".join(array.tobytes() for array in numbers) + told
 
 
-def _guid(model):
+def guid_of(model: Model) -> str:
     """Hash of all that a simulation depends on, in the form of a GUID."""
     h = hashlib.sha256(b"".join(sealed(model))).hexdigest()
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"

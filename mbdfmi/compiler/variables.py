@@ -4,8 +4,16 @@ import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..scene import fmi_name
 from ..scene.errors import nearest
+
+KINDS = ("input", "output", "fixed", "tunable")
+"""What a value reference is, as numbers in an FMU: its causality; of a parameter its variability."""
+
+TABLE = np.dtype([("kind", "<i8"), ("index", "<i8")])
+"""A row of the table of value references in an FMU."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +39,11 @@ class Variable:
     index: int
     depends: tuple[int, ...] = ()
     initial_depends: tuple[int, ...] = ()
+
+    @property
+    def row(self) -> tuple[int, int]:
+        """Its row of TABLE."""
+        return KINDS.index(self.variability if self.causality == "parameter" else self.causality), self.index
 
 
 def dotted(*names: str) -> str:

@@ -9,8 +9,11 @@ from collections.abc import Iterable
 
 from numba import types
 
+from ..compiler.model import SEALED_SIZES
+from ..compiler.variables import KINDS, TABLE
 from ..kernels import entry, layout, status, views
 from ..kernels.motion.commands import N_DERIVATIVE
+from . import resource
 from .description import LOG_CATEGORIES
 
 NAME = "layout.h"
@@ -23,7 +26,7 @@ _VIEWS = {views.MODEL: ("m", views.ModelView), views.DATA: ("d", views.DataView)
 
 def layout_header() -> str:
     """The text of layout.h."""
-    parts = [_arrays(), _statuses(), _entries(), _log()]
+    parts = [_arrays(), _statuses(), _entries(), _resource(), _log()]
     return "\n\n".join(
         [
             f"/* Written by {__name__} when a library is linked: what C knows of the package. */",
@@ -117,6 +120,31 @@ def _argument(kind, name: str) -> str:
         f"const int64_t *{name}_{buffer}" if buffer == "ints" else f"double *{name}_{buffer}"
         for buffer in view.buffer_names
     )
+
+
+def _resource() -> str:
+    """The parts of model.bin (resource.py) that have names in both languages."""
+    magic = "".join(f"\\{byte:03o}" for byte in resource.MAGIC)
+    kinds = _enum([*(f"VARIABLE_{kind.upper()}" for kind in KINDS), "N_KIND"])
+    return f"""/* The resource file; see resource.h. */
+#define RESOURCE_NAME "{resource.NAME}"
+#define RESOURCE_MAGIC "{magic}"
+#define RESOURCE_VERSION {resource.VERSION}
+#define GUID_SIZE {resource.GUID_SIZE}
+
+/* Its sizes, and how many of them the GUID is made of. */
+typedef struct {{
+    int64_t {", ".join(resource.SIZES)};
+}} Sizes;
+
+#define N_SEALED {len(SEALED_SIZES)}
+
+/* What a value reference is. */
+{kinds}
+
+typedef struct {{
+    int64_t {", ".join(TABLE.names or ())};
+}} Variable;"""
 
 
 def _log() -> str:

@@ -3,36 +3,29 @@
 import struct
 import zlib
 
-from ..compiler.model import sealed
+from ..compiler.model import SEALED_SIZES, sealed
 
 NAME = "model.bin"
-
-_MAGIC = b"mbdfmi\0\1"
-_VERSION = 3
+MAGIC = b"mbdfmi\0\1"
+VERSION = 4
+SIZES = (*SEALED_SIZES, "places", "messages", "notices")
+GUID_SIZE = 64
 
 
 def resource(model, messages: dict[int, str]) -> bytes:
-    """The resource file of a model: sizes, arrays, names; `messages` are texts of status codes.
+    """The resource file of a model: sizes, arrays, variables, names; `messages` are texts of status codes.
 
-    The layout (little endian) is described in fmu_src/resource.h. Raises ValueError when the
-    variables do not come in the order of value references.
+    The layout (little endian) is described in fmu_src/resource.h.
     """
-    parameters = model.of_causality("parameter")
-    ordered = [*model.of_causality("input"), *model.of_causality("output"), *parameters]
-
-    if list(model.variables) != ordered:
-        raise ValueError("the variables must be the inputs, then the outputs, then the parameters")
-
-    names = [v.name for v in model.variables]
-    strings = [*names, *model.places]
+    strings = [*(v.name for v in model.variables), *model.places]
     for code, text in messages.items():
         strings += [str(code), text]
     strings += model.notices
 
     sizes, numbers = sealed(model)
     body = sizes + struct.pack("<3q", len(model.places), len(messages), len(model.notices))
-    body += model.guid.encode().ljust(64, b"\0")
+    body += model.guid.encode().ljust(GUID_SIZE, b"\0")
     body += numbers
     body += b"".join(text.encode() + b"\0" for text in strings)
 
-    return _MAGIC + struct.pack("<IIQ", _VERSION, zlib.crc32(body), len(body)) + body
+    return MAGIC + struct.pack("<IIQ", VERSION, zlib.crc32(body), len(body)) + body
