@@ -9,7 +9,7 @@ from mbdfmi.kernels import outputs
 from mbdfmi.kernels.joints import KINDS, N_Q, N_V
 from mbdfmi.scene import joints as joint_classes
 from mbdfmi.scene.constraints import CONSTRAINTS
-from mbdfmi.scene.contacts import CONTACTS
+from mbdfmi.scene.end_frames import END_FRAMES
 from mbdfmi.scene.joint_base import JointBase
 from mbdfmi.units import UNITS
 
@@ -27,7 +27,7 @@ TABLES = {
 PLAIN = [
     cls
     for cls in vars(joint_classes).values()
-    if isinstance(cls, type) and issubclass(cls, JointBase) and cls.kind and cls not in CONSTRAINTS + CONTACTS
+    if isinstance(cls, type) and issubclass(cls, JointBase) and cls.kind and cls not in CONSTRAINTS + END_FRAMES
 ]
 
 
@@ -55,7 +55,7 @@ def test_units_are_known():
 
 
 def test_every_joint_has_its_record():
-    assert {cls.kind for cls in (*PLAIN, *CONSTRAINTS, *CONTACTS)} == set(JOINT_KINDS)
+    assert {cls.kind for cls in (*PLAIN, *CONSTRAINTS, *END_FRAMES)} == set(JOINT_KINDS)
 
 
 @pytest.mark.parametrize("cls", PLAIN, ids=lambda cls: cls.kind)
@@ -73,7 +73,7 @@ def test_a_joint_names_the_coordinates_that_its_motions_have(cls):
     assert named == [units[motion] for motion in motions if motion in units]
 
 
-@pytest.mark.parametrize("cls", [*CONSTRAINTS, *CONTACTS], ids=lambda cls: cls.kind)
+@pytest.mark.parametrize("cls", [*CONSTRAINTS, *END_FRAMES], ids=lambda cls: cls.kind)
 def test_what_only_constrains_has_no_coordinates(cls):
     assert cls.coordinates == ()
     assert not kind_of(cls).in_trees

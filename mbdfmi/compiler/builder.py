@@ -128,6 +128,7 @@ class Builder:
     joint_nodes : joint -> its nodes, in the order of the joint's own coordinates.
     embeds : dynamics by the joint-space mass matrix.
     single : arrays that belong to no table, by name; counts : numbers that are no table's length.
+    end_frames : joint that keeps one on a curve or surface -> it.
     drive_of : node -> its drive; driven_cuts : joint outside the tree -> its drive.
     joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
@@ -159,6 +160,7 @@ class Builder:
         self.joint_constraints = {}
         self.drive_of = {}
         self.driven_cuts = {}
+        self.end_frames = {}
         self.notices = []
         self.names = []
         self.starts = {}

@@ -94,14 +94,14 @@ def _joint_constraint(builder, name):
         value = norm(second - first) or 1.0
 
     # of an end frame on a curve or surface: which it is
-    contact = builder.contacts.get(name, 0)
+    end_frame = builder.end_frames.get(name, 0)
     markers = [builder.joint_marker(name, side, turn) for side, turn in enumerate(kind.turns(joint))]
 
     return Constraint(
         name=name,
         markers=(*markers, -1, -1),
         nodes=builder.nodes_of(name),
-        rows=[(row, i, contact if row == rows.CONTACT else j) for row, i, j in kind.rows],
+        rows=[(row, i, end_frame if row == rows.CONTACT else j) for row, i, j in kind.rows],
         value=(value, 0.0),
         at_start=at_start,
     )

@@ -6,8 +6,8 @@ from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
 from .builder import Place, Source
-from .contacts import add_contact_outputs
 from .elastic import elastic_table
+from .end_frames import add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
 from .variables import dotted
@@ -191,7 +191,7 @@ def _add_outputs(builder, name, joint, parts, fed_by):
     """All that goes out of a joint; `parts`: rows of what acts in it, `fed_by`: positions in u of its inputs."""
     for output in joint.output:
         if output in PARAMETERS:
-            add_contact_outputs(builder, name, joint, output)
+            add_parameter_outputs(builder, name, joint, output)
         elif output in REACTIONS:
             _add_reaction(builder, name, REACTIONS[output])
         elif EFFORT_OUTPUTS.get(output) in EFFORT_KINDS:

@@ -26,9 +26,9 @@ from .bodies import (
 )
 from .builder import Builder
 from .constraints import add_constraints
-from .contacts import add_contacts
 from .couplings import add_coupling_outputs
 from .drives import add_drives
+from .end_frames import add_end_frames
 from .forces import add_forces
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -114,7 +114,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     add_settings(builder)
     add_drives(builder)
     add_bodies(builder)
-    add_contacts(builder)
+    add_end_frames(builder)
     add_joints(builder)
 
     if motion:

@@ -12,8 +12,8 @@ from .constraints import (
     RollingDisk,
     RollingSphere,
 )
-from .contacts import CurveOnCurve, PointOnCurve, PointOnSurface
 from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
+from .end_frames import CurveOnCurve, PointOnCurve, PointOnSurface
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (

@@ -17,7 +17,7 @@ from .solids import Solid, composite
 from .surfaces import Surface
 
 # Published moments are rounded, so a flat plate may miss the triangle inequality by this part.
-ROUNDING = 0.01
+MOMENTS_ROUNDED = 0.01
 
 
 def inertia_matrix(inertia):

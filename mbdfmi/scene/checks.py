@@ -8,8 +8,8 @@ its message from the schema.
 from pydantic import BaseModel
 
 from .constraints import CONSTRAINTS
-from .contacts import CONTACTS
 from .couplings import COUPLINGS, CouplingBase
+from .end_frames import END_FRAMES
 from .errors import (
     NAMED_TABLES,
     Problem,
@@ -29,57 +29,53 @@ def cross_references(data):
 
     bodies = {name: body for name, body in _entries(data, "body").items() if _is_table(body)}
     ground = _get(data, "ground")
-
-    problems = []
-    for table in NAMED_TABLES:
-        problems += _same_names((table,), _entries(data, table))
-    problems += _shared_names(data)
-    for name, body in bodies.items():
-        problems += _same_names(("body", name, "marker"), _entries(body, "marker"))
-    problems += _same_names(("ground", "marker"), _entries(ground, "marker"))
+    problems = _ambiguous_names(data, bodies, ground)
 
     if not bodies:
         if _get(data, "body") in (None, {}):
             problems.append(Problem((), "there is no body; write a table [body.NAME]"))
         return problems
 
-    markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
-    markers["ground"] = _plain_entries(ground, "marker")
-    markers["inertial"] = []
-
     joints = {_plain(name): joint for name, joint in _entries(data, "joint").items()}
     for name, coupling in _entries(data, "coupling").items():
         if text := _wrong_coupling(coupling, joints):
             problems.append(Problem(("coupling", name, "between"), text))
 
+    markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
+    markers["ground"] = _plain_entries(ground, "marker")
+    markers["inertial"] = []
+    wrong = _misplaced(data, markers, joints)
+    problems += wrong
     shapes = {
         (_plain(owner), _plain(name)): marker
         for owner, holder in (*bodies.items(), ("ground", ground))
         for name, marker in _entries(holder, "marker").items()
     }
-    edges, slack = [], {}
-    all_clear = True
-    for table in ("joint", "force", "measure"):
-        for name, entry in _entries(data, table).items():
-            ends = _ends(entry)
-            wrong = _wrong_ends(table, ends, markers, joints)
-            key = "between" if len(ends) == 2 else "on"
-            problems += [Problem((table, name, key), text) for text in wrong]
-
-            if table == "joint":
-                if ends and not wrong:
-                    texts = _missing_shapes(entry, ends, shapes)
-                    problems += [Problem((table, name, key), text) for text in texts]
-                all_clear = all_clear and ends and not wrong
-                if kind := _constraint_kind(entry):
-                    slack |= {end[0]: (name, kind) for end in ends}
-                else:
-                    edges.append({end[0] for end in ends})
+    in_doubt = {problem.path[:2] for problem in wrong}
+    joined = [
+        (name, joint, ends)
+        for name, joint in _entries(data, "joint").items()
+        if (ends := _ends(joint)) and ("joint", name) not in in_doubt
+    ]
+    for name, joint, ends in joined:
+        texts = _missing_shapes(joint, ends, shapes)
+        problems += [Problem(("joint", name, _key_of(ends)), text) for text in texts]
 
     # while a joint's ends are in doubt, so is what hangs on it
-    if all_clear:
-        problems += _loose_bodies(bodies, edges, slack)
+    if len(joined) == len(_entries(data, "joint")):
+        problems += _loose_bodies(bodies, joined)
     return problems
+
+
+def _ambiguous_names(data, bodies, ground):
+    """Problems of names that are one in an FMU."""
+    problems = []
+    for table in NAMED_TABLES:
+        problems += _same_names((table,), _entries(data, table))
+    problems += _shared_names(data)
+    for name, body in bodies.items():
+        problems += _same_names(("body", name, "marker"), _entries(body, "marker"))
+    return problems + _same_names(("ground", "marker"), _entries(ground, "marker"))
 
 
 def unfit_shapes(scene):
@@ -120,8 +116,7 @@ def _variables(scene):
 
 
 def _variables_of(path, prefix, entry):
-    inputs = getattr(entry, "input", None) or []
-    for item in [inputs] if isinstance(inputs, str) else inputs:
+    for item in getattr(entry, "input", None) or []:
         yield (*path, "input"), f"{prefix}.{item}"
     for item in entry.output:
         yield (*path, "output"), f"{prefix}.{item}"
@@ -219,6 +214,22 @@ def _wrong_coupling(coupling, joints):
     return None
 
 
+def _misplaced(data, markers, joints):
+    """Problems of joints, forces and measures whose ends are not where they could be."""
+    return [
+        Problem((table, name, _key_of(ends)), text)
+        for table in ("joint", "force", "measure")
+        for name, entry in _entries(data, table).items()
+        for ends in [_ends(entry)]
+        for text in _wrong_ends(table, ends, markers, joints)
+    ]
+
+
+def _key_of(ends):
+    """The key that ends are written with."""
+    return "between" if len(ends) == 2 else "on"
+
+
 def _wrong_ends(table, ends, markers, joints):
     """Texts about the ends of an entry of the table; markers is {body: its markers}."""
     wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
@@ -259,33 +270,32 @@ def _wrong_end(end, markers, joints):
 
 
 def _missing_shapes(joint, ends, markers):
-    """Texts about curves and surfaces that a contact needs; markers is {(body, name): marker}."""
-    contact = next((cls for cls in CONTACTS if _get(joint, cls.kind) is not None), None)
-    if not contact:
+    """Texts about curves and surfaces that an end frame needs; markers is {(body, name): marker}."""
+    end_frame = next((cls for cls in END_FRAMES if _get(joint, cls.kind) is not None), None)
+    if not end_frame:
         return
 
     examples = {"curve": "{ circle = { radius = 1 } }", "surface": "{ sphere = { radius = 1 } }"}
-    for end, shape, which in zip(ends, contact.shapes, ("first", "second")):
+    for end, shape, which in zip(ends, end_frame.shapes, ("first", "second")):
         if shape and _get(markers.get(tuple(end)), shape) is None:
             marker = key_text(end[1]) if len(end) == 2 else "NAME"
             yield (
-                f"{contact.kind} needs a {shape} on its {which} end, {quoted('.'.join(end))}; "
+                f"{end_frame.kind} needs a {shape} on its {which} end, {quoted('.'.join(end))}; "
                 f"write marker.{marker} = {{ {shape} = {examples[shape]} }} and name that marker"
             )
 
 
 def _constraint_kind(joint):
     """The kind of a joint that only constrains, or None."""
-    kinds = (cls.kind for cls in CONSTRAINTS + CONTACTS)
+    kinds = (cls.kind for cls in CONSTRAINTS + END_FRAMES)
     return next((kind for kind in kinds if _get(joint, kind) is not None), None)
 
 
-def _loose_bodies(bodies, edges, slack):
-    """Problems of bodies from which no chain of joints leads to ground.
-
-    edges : sets of two bodies that a joint connects.
-    slack : {body: (name, kind) of a joint that only constrains it}.
-    """
+def _loose_bodies(bodies, joined):
+    """Problems of bodies from which no chain of joints (name, joint, ends) leads to ground."""
+    edges = [{end[0] for end in ends} for _, joint, ends in joined if not _constraint_kind(joint)]
+    # body: a joint that only constrains it
+    slack = {end[0]: (name, kind) for name, joint, ends in joined if (kind := _constraint_kind(joint)) for end in ends}
     reached, before = set(FRAMES), None
     while reached != before:
         before = reached

@@ -23,6 +23,11 @@ class CurveBase(Part):
         """Whether the curve lies in a plane z = constant."""
         return True
 
+    @property
+    def unit(self):
+        """Of its parameter; None where the user gave it."""
+        return "m"
+
 
 class Line(CurveBase):
     """line = {}: the x axis, s = x in m."""
@@ -87,6 +92,11 @@ class Cycloid(CurveBase):
     def radius(self):
         """m."""
         return self.cycloid.radius
+
+    @property
+    def unit(self):
+        """Of its parameter."""
+        return "rad"
 
 
 def _points(value):
@@ -161,6 +171,11 @@ class PointCurve(CurveBase):
     def s(self):
         """Parameter (n,) at the points."""
         return getattr(self, self.kind).nodes()[1]
+
+    @property
+    def unit(self):
+        """Of its parameter; None where the user gave it."""
+        return "m" if getattr(self, self.kind).s is None else None
 
     @property
     def closed(self):

@@ -21,7 +21,6 @@ from ..vocabulary import (
     coordinate_names,
 )
 from .constraints import CONSTRAINTS
-from .contacts import CONTACTS
 from .efforts import (
     AngularDriver,
     AngularSpring,
@@ -31,6 +30,7 @@ from .efforts import (
     LinearSpring,
     LinearStop,
 )
+from .end_frames import END_FRAMES
 from .errors import listed, show
 from .fields import (
     Axis,
@@ -279,5 +279,5 @@ class Free(Plain):
 
 Joint = by_key(
     "a joint", Fixed, Revolute, Prismatic, Cylindrical, Universal, Spherical, Planar, Translation,
-    Screw, Free, *CONSTRAINTS, *CONTACTS,
+    Screw, Free, *CONSTRAINTS, *END_FRAMES,
 )

@@ -10,7 +10,7 @@ from math import hypot, pi
 import numpy as np
 
 from ..vectors import norm
-from .bodies import ROUNDING, inertia_matrix, principal_moments
+from .bodies import MOMENTS_ROUNDED, inertia_matrix, principal_moments
 from .errors import Problem, show
 from .fields import Part
 
@@ -65,7 +65,7 @@ def inertia_of_no_body(scene):
 
         moments = np.linalg.eigvalsh(inertia_matrix(body.inertia))
 
-        if moments[0] + moments[1] < moments[2] * (1 - ROUNDING):
+        if moments[0] + moments[1] < moments[2] * (1 - MOMENTS_ROUNDED):
             text = "no principal moment exceeds the sum of the other two on a real body; it is taken as it is: "
             yield Problem(("body", name, "inertia"), text + principal_moments(moments))
 

@@ -1,4 +1,7 @@
-"""Surfaces on markers, each by parameters s1 and s2, in the marker's axes."""
+"""Surfaces on markers, each by parameters s1 and s2, in the marker's axes.
+
+Their `units` are those of the two; None where the user gave them.
+"""
 
 from typing import Annotated, ClassVar
 
@@ -15,6 +18,7 @@ class Plane(Part):
     """plane = {}: the xy plane, s1 = x, s2 = y in m."""
 
     kind: ClassVar[str] = "plane"
+    units: ClassVar[tuple] = ("m", "m")
 
     plane: Empty
 
@@ -38,6 +42,7 @@ class SphereSurface(Round):
     """sphere = { radius }: about the origin; s1 longitude from x to y, s2 latitude, rad."""
 
     kind: ClassVar[str] = "sphere"
+    units: ClassVar[tuple] = ("rad", "rad")
 
     sphere: RadiusOptions
 
@@ -46,6 +51,7 @@ class CylinderSurface(Round):
     """cylinder = { radius }: about the z axis; s1 angle from x to y in rad, s2 = z in m."""
 
     kind: ClassVar[str] = "cylinder"
+    units: ClassVar[tuple] = ("rad", "m")
 
     cylinder: RadiusOptions
 
@@ -71,6 +77,7 @@ class Torus(Round):
     the tube from the outside to z, rad."""
 
     kind: ClassVar[str] = "torus"
+    units: ClassVar[tuple] = ("rad", "rad")
 
     torus: TorusOptions
 
@@ -104,6 +111,11 @@ class Prism(Part):
     def profile(self):
         """The curve."""
         return self.prism.profile
+
+    @property
+    def units(self):
+        """Of its parameters."""
+        return self.profile.unit, "m"
 
 
 def _grid(value):
@@ -141,6 +153,7 @@ class TableSurface(Part):
     """table = { s1, s2, points }: a bicubic spline through points."""
 
     kind: ClassVar[str] = "table"
+    units: ClassVar[tuple] = (None, None)
 
     table: GridOptions
 

@@ -21,7 +21,7 @@ class PairStart(Part):
     s: Array((2,), what="2 numbers [s1, s2]") | None = None
 
 
-class Contact(Constraint):
+class EndFrame(Constraint):
     """A joint with parameters s of a curve or surface.
 
     shapes : what the first and the second marker must have, "curve", "surface" or None.
@@ -35,7 +35,7 @@ class Contact(Constraint):
         return None if self.start.s is None else np.atleast_1d(self.start.s)
 
 
-class PointOnCurve(Contact):
+class PointOnCurve(EndFrame):
     """The second marker's origin stays on the first one's curve."""
 
     kind: ClassVar[str] = "point_on_curve"
@@ -46,7 +46,7 @@ class PointOnCurve(Contact):
     output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
-class CurveOnCurve(Contact):
+class CurveOnCurve(EndFrame):
     """The markers' curves, in parallel planes, touch: cam and follower."""
 
     kind: ClassVar[str] = "curve_on_curve"
@@ -57,7 +57,7 @@ class CurveOnCurve(Contact):
     output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
-class PointOnSurface(Contact):
+class PointOnSurface(EndFrame):
     """The second marker's origin stays on the first one's surface."""
 
     kind: ClassVar[str] = "point_on_surface"
@@ -68,4 +68,4 @@ class PointOnSurface(Contact):
     output: SomeOf(*PARAMETERS, *REACTIONS) = []
 
 
-CONTACTS = (PointOnCurve, CurveOnCurve, PointOnSurface)
+END_FRAMES = (PointOnCurve, CurveOnCurve, PointOnSurface)

@@ -19,17 +19,17 @@ TANGENTS = 400
 SIDES = 200
 
 
-def add_contacts(builder):
-    """All contacts, their curves and surfaces; `builder.contacts`: joint -> its contact."""
-    builder.contacts = {}
+def add_end_frames(builder):
+    """All end frames on curves and surfaces, and these."""
     builder.single["s_start"] = []
 
     for name, joint in builder.scene.joint.items():
         if joint.kind in touching.KINDS:
-            builder.contacts[name] = _add_contact(builder, name, joint)
+            builder.end_frames[name] = _add_end_frame(builder, name, joint)
 
 
-def _add_contact(builder, name, joint):
+def _add_end_frame(builder, name, joint):
+    """Index of the end frame of a joint: its place on one shape, or where two touch."""
     _check_lines(builder, name, joint)
     shapes = [_shape(builder, end, what) for end, what in zip(joint.between, joint.shapes)]
     first = len(builder.single["s_start"])
@@ -83,6 +83,7 @@ def _shape(builder, end, what):
 
 
 def _add_curve(builder, curve):
+    """Index of a curve."""
     kind = curves.KINDS[curve.kind]
     row = dict(curve_kind=kind, curve_table=0, curve_value=0.0, curve_side=(0.0, 0.0, 1.0), curve_size=0.0)
 
@@ -124,6 +125,7 @@ def _side(tangents):
 
 
 def _add_surface(builder, surface):
+    """Index of a surface."""
     kind = surfaces.KINDS[surface.kind]
     row = dict(
         surface_kind=kind,
@@ -177,8 +179,8 @@ def _with_straight_ends(x, c):
     return np.concatenate([[x[0] - width], x, [x[-1] + width]]), np.concatenate([left, c, right], axis=1)
 
 
-def add_contact_outputs(builder, name, joint, output):
-    """Parameters of a contact, or their rates."""
+def add_parameter_outputs(builder, name, joint, output):
+    """Parameters of an end frame, or their rates."""
     units = parameter_units(builder, joint)
     kind = outputs.CONTACT_S if output == "s" else outputs.CONTACT_RATE
     nodes = builder.nodes_of(name)
@@ -190,31 +192,18 @@ def add_contact_outputs(builder, name, joint, output):
         ending = f"[{k + 1}]" if len(units) > 1 else ""
         about = f"{PARAMETERS[output].text} of {name}"
         builder.add_outputs(
-            dotted(name, output) + ending, Source(kind, builder.contacts[name], k), unit, about, nodes
+            dotted(name, output) + ending, Source(kind, builder.end_frames[name], k), unit, about, nodes
         )
 
 
 def parameter_units(builder, joint):
-    """Unit of each parameter of a contact joint; None where the user gave them."""
-    if joint.kind == "point_on_surface":
-        surface = builder.scene.marker(joint.between[0]).surface
-        units = {
-            "plane": ["m", "m"],
-            "sphere": ["rad", "rad"],
-            "cylinder": ["rad", "m"],
-            "torus": ["rad", "rad"],
-            "table": [None, None],
-        }
-        return [_curve_unit(surface.profile), "m"] if surface.kind == "prism" else units[surface.kind]
+    """Unit of each parameter of an end frame's joint; None where the user gave them."""
+    units = []
 
-    ends = joint.between if joint.kind == "curve_on_curve" else joint.between[:1]
-    return [_curve_unit(builder.scene.marker(end).curve) for end in ends]
+    for end, shape in zip(joint.between, joint.shapes):
+        if shape == "curve":
+            units.append(builder.scene.marker(end).curve.unit)
+        elif shape == "surface":
+            units += builder.scene.marker(end).surface.units
 
-
-def _curve_unit(curve):
-    """Unit of a curve's parameter."""
-    if curve.kind == "cycloid":
-        return "rad"
-
-    given = curve.kind == "table" or (curve.kind == "spline" and curve.spline.s is not None)
-    return None if given else "m"
+    return units
