@@ -112,7 +112,7 @@ LONGEST_STEP = 6.0
 def add_work_limit(builder, counts):
     """How many evaluations a communication step may cost: the user's number, else from about what one costs (s)."""
     rows = counts.get("n_row", 0)
-    cost = 3e-7 + 2e-7 * counts["n_body"] + 3e-7 * rows + 1e-6 * counts.get("n_contact", 0)
+    cost = 3e-7 + 2e-7 * counts["n_body"] + 3e-7 * rows + 1e-6 * counts.get("n_end_frame", 0)
     cost += 1e-9 * counts.get("n_factor", 0) ** 2 / max(1, rows)
     cost += 2e-10 * counts["n_v"] ** 3 if builder.embeds else 0.0
     most = builder.scene.solver.max_evaluations or float(f"{LONGEST_STEP / cost:.1e}")
@@ -282,7 +282,7 @@ def _on_ground(builder):
                 fed_by.append(u)
 
     # the water of added mass is part of the ground
-    for adds, first, second in _columns(builder, "n_linear", "linear_adds", "linear_from", "linear_to"):
+    for adds, first, second in _columns(builder, "n_six_by_six", "six_by_six_adds", "six_by_six_from", "six_by_six_to"):
         if adds and builder.marker_node(first) == ground:
             nodes.append(builder.marker_node(second))
 

@@ -21,14 +21,14 @@ def add_constraints(builder):
     # the joint-space mass matrix spreads every row over all coordinates
     every = list(range(1, len(builder.nodes)))
     path = [every if builder.embeds else _path(builder, c) for c in constraints]
-    order, meets = _elimination(_neighbours(builder, path))
+    order, earlier = _elimination(_neighbours(builder, path))
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c.name for c in constraints]
     builder.constraint_nodes = [c.nodes for c in constraints]
     builder.joint_constraints = {
         c.name: k for k, c in enumerate(constraints) if c.rows[0][0] != rows.COUPLING
     }
-    _add_tables(builder, constraints, [path[k] for k in order], meets)
+    _add_tables(builder, constraints, [path[k] for k in order], earlier)
     builder.loop_hints = [_hint(builder, c) for c in constraints]
     about = "largest gap of a closed loop, m and rad"
     builder.add_parameters(
@@ -134,29 +134,29 @@ def _rigid_part(builder, i):
 
 
 def _elimination(neighbours):
-    """An order of elimination with little fill, and what each constraint meets in it.
+    """An order of elimination with little fill, and the neighbours of each constraint before it.
 
     neighbours : for each constraint the set of those it shares joints with. Minimum degree: next comes the one with the
-    fewest neighbours left, which then all become neighbours. Returns (order, for each in the order the earlier ones it meets, as
+    fewest neighbours left, which then all become neighbours. Returns (order, for each in the order its earlier neighbours, as
     places in the order).
     """
     left = [set(near) for near in neighbours]
     waiting = set(range(len(left)))
     order = []
-    meets = [[] for _ in left]
+    earlier = [[] for _ in left]
 
     while waiting:
         c = min(waiting, key=lambda k: (len(left[k]), k))
         waiting.remove(c)
 
         for k in left[c]:
-            meets[k].append(len(order))
+            earlier[k].append(len(order))
             left[k] |= left[c]
             left[k] -= {k, c}
 
         order.append(c)
 
-    return order, [meets[c] for c in order]
+    return order, [earlier[c] for c in order]
 
 
 def _neighbours(builder, paths):
@@ -176,23 +176,23 @@ def _neighbours(builder, paths):
     return [near[c] - {c} for c in range(len(paths))]
 
 
-def _add_tables(builder, constraints, paths, meets):
+def _add_tables(builder, constraints, paths, earlier):
     """Tables of the constraints, in their order of elimination.
 
     Two arrays of the kernels are laid out here: whitened responses, one block a constraint of its rows by the velocities of its
-    path (`reach`); and the factor of C M^-1 C^T, by block rows: of each constraint a block with each earlier one that it meets,
+    path (`response`); and the factor of C M^-1 C^T, by block rows: of each constraint a block with each earlier neighbour,
     then its own (`block`).
     """
     n_v = {i: N_V[KINDS[node.kind]] for i, node in enumerate(builder.nodes) if i}
     size = [len(constraint.rows) for constraint in constraints]
-    reach = block = row = 0
+    response = block = row = 0
 
     for c, (constraint, path) in enumerate(zip(constraints, paths)):
         width = sum(n_v[i] for i in path)
-        first_meet = builder.tables["n_meet"].length
+        first_neighbour = builder.tables["n_neighbour"].length
 
-        for e in meets[c]:
-            builder.tables["n_meet"].add(meet_constraint=e, meet_block=block)
+        for e in earlier[c]:
+            builder.tables["n_neighbour"].add(neighbour_constraint=e, neighbour_block=block)
             block += size[c] * size[e]
 
         builder.tables["n_constraint"].add(
@@ -204,19 +204,19 @@ def _add_tables(builder, constraints, paths, meets):
             constraint_rows=size[c],
             constraint_path=builder.tables["n_path"].length,
             constraint_paths=len(path),
-            constraint_reach=reach,
+            constraint_response=response,
             constraint_width=width,
-            constraint_meet=first_meet,
-            constraint_meets=len(meets[c]),
+            constraint_neighbour=first_neighbour,
+            constraint_neighbours=len(earlier[c]),
             constraint_block=block,
         )
         _add_path(builder, path, n_v)
         _add_rows(builder, c, constraint)
         block += size[c] ** 2
-        reach += size[c] * width
+        response += size[c] * width
         row += size[c]
 
-    builder.counts |= {"n_reach": reach, "n_factor": block}
+    builder.counts |= {"n_response": response, "n_factor": block}
 
 
 def _add_path(builder, path, n_v):

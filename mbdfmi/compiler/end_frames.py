@@ -47,14 +47,14 @@ def _add_end_frame(builder, name, joint):
             builder.add_parameters(variable, Place("s_start", first + k), value, unit, about, "fixed")
             builder.tell(Told(notes.PARAMETER, first + k), f"the parameter s{ending} of {name}", 0.0)
 
-    return builder.tables["n_contact"].add(
-        contact_kind=touching.KINDS[joint.kind],
-        contact_a=builder.joint_marker(name, 0, np.eye(3)),
-        contact_b=builder.joint_marker(name, 1, np.eye(3)),
-        contact_from=shapes[0],
-        contact_to=shapes[1],
-        contact_z=first,
-        contact_given=given,
+    return builder.tables["n_end_frame"].add(
+        end_frame_kind=touching.KINDS[joint.kind],
+        end_frame_a=builder.joint_marker(name, 0, np.eye(3)),
+        end_frame_b=builder.joint_marker(name, 1, np.eye(3)),
+        end_frame_from=shapes[0],
+        end_frame_to=shapes[1],
+        end_frame_z=first,
+        end_frame_given=given,
     )
 
 

@@ -129,20 +129,20 @@ def _add_six_by_six(builder, name, spec, ends, added=NONE, preload=NONE[0], axes
     """A 6x6 force; returns its row."""
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
-    row = builder.tables["n_linear"].add(
-        linear_from=ends[0],
-        linear_to=ends[1],
-        linear_adds=bool(np.any(added)) and builder.marker_node(ends[1]) > 0,
-        linear_axes=axes,
-        linear_stiffness=stiffness,
-        linear_damping=damping,
-        linear_added=added,
-        linear_preload=preload,
+    row = builder.tables["n_six_by_six"].add(
+        six_by_six_from=ends[0],
+        six_by_six_to=ends[1],
+        six_by_six_adds=bool(np.any(added)) and builder.marker_node(ends[1]) > 0,
+        six_by_six_axes=axes,
+        six_by_six_stiffness=stiffness,
+        six_by_six_damping=damping,
+        six_by_six_added=added,
+        six_by_six_preload=preload,
     )
     blocks = {
-        "stiffness": ("linear_stiffness", stiffness, ("N/m", "N/rad", "N", "N.m/rad")),
-        "damping": ("linear_damping", damping, ("N.s/m", "N.s/rad", "N.s", "N.m.s/rad")),
-        "added_mass": ("linear_added", added, ("kg", "kg.m", "kg.m", "kg.m2")),
+        "stiffness": ("six_by_six_stiffness", stiffness, ("N/m", "N/rad", "N", "N.m/rad")),
+        "damping": ("six_by_six_damping", damping, ("N.s/m", "N.s/rad", "N.s", "N.m.s/rad")),
+        "added_mass": ("six_by_six_added", added, ("kg", "kg.m", "kg.m", "kg.m2")),
     }
 
     for quantity, (array, matrix, units) in blocks.items():
@@ -154,7 +154,7 @@ def _add_six_by_six(builder, name, spec, ends, added=NONE, preload=NONE[0], axes
     if np.any(preload):
         about = f"constant force and moment of {name}"
         builder.add_parameters(
-            dotted(name, "preload"), Place("linear_preload", row), preload, ["N"] * 3 + ["N.m"] * 3, about
+            dotted(name, "preload"), Place("six_by_six_preload", row), preload, ["N"] * 3 + ["N.m"] * 3, about
         )
 
     return row

@@ -227,7 +227,7 @@ def _bodies_with_added_mass(values, n_body):
     """1 for each node that a force with added mass acts on."""
     added = np.zeros(n_body)
 
-    for adds, marker in zip(values.get("linear_adds", ()), values.get("linear_to", ())):
+    for adds, marker in zip(values.get("six_by_six_adds", ()), values.get("six_by_six_to", ())):
         if adds:
             added[int(values["marker_body"][int(marker)])] = 1
 

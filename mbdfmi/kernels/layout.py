@@ -28,7 +28,7 @@ COUNTS = (
     "n_friction",  # joint coordinates with dry friction
     "n_stop",  # joint coordinates with bump stops
     "n_strut",  # spring-dampers between two markers
-    "n_linear",  # 6x6 forces between two markers
+    "n_six_by_six",  # 6x6 forces between two markers
     "n_wrench_input",
     "n_effort_input",
     "n_load",  # wrenches on a marker, constant or over time
@@ -36,8 +36,8 @@ COUNTS = (
     "n_constraint",  # joints that close loops, rolling, couplings
     "n_row",  # their scalar equations
     "n_path",  # nodes between the constraints and the ground, summed
-    "n_reach",  # values of all rows' responses in the joints between
-    "n_meet",  # pairs of constraints that share joints, or meet in the factor by fill
+    "n_response",  # values of all rows' responses in the joints between
+    "n_neighbour",  # pairs of neighbours: constraints that share joints, or come to in the factor by fill
     "n_factor",  # values of the factor of the rows' inverse inertia
     "n_table",  # piecewise polynomials
     "n_knot",  # their knots
@@ -48,7 +48,7 @@ COUNTS = (
     "n_curve",
     "n_surface",
     "n_patch",  # bicubic pieces of surfaces
-    "n_contact",  # joints of end frames on curves and surfaces
+    "n_end_frame",  # joints of end frames on curves and surfaces
     "n_s",  # their parameters
     "n_told",  # start values that the user gave
     "n_reaction",  # joints whose reactions go out
@@ -107,10 +107,10 @@ ARRAYS = (
     Row("strut_damper_table", "ints", 1, "n_strut", "table of its tension over the rate of length, -1: linear"),
     Row("strut_u", "ints", 1, "n_strut", "input that adds to its tension, -1: none"),
     Row("strut_slack", "ints", 1, "n_strut", "1: its rest length is its length at the start, unless another is set"),
-    Row("linear_from", "ints", 1, "n_linear", "first marker, whose axes the force is given in"),
-    Row("linear_to", "ints", 1, "n_linear", "second marker, which the force acts on"),
-    Row("linear_adds", "ints", 1, "n_linear", "1: has added mass, and its second marker is on a body that moves"),
-    Row("linear_axes", "ints", 1, "n_linear", "axes of damping and added mass: of the first marker, heading, second (forces/six_by_six.py)"),
+    Row("six_by_six_from", "ints", 1, "n_six_by_six", "first marker, whose axes the force is given in"),
+    Row("six_by_six_to", "ints", 1, "n_six_by_six", "second marker, which the force acts on"),
+    Row("six_by_six_adds", "ints", 1, "n_six_by_six", "1: has added mass, and its second marker is on a body that moves"),
+    Row("six_by_six_axes", "ints", 1, "n_six_by_six", "axes of damping and added mass: of the first marker, heading, second (forces/six_by_six.py)"),
     Row("wrench_marker", "ints", 1, "n_wrench_input", "marker it acts on"),
     Row("wrench_reaction", "ints", 1, "n_wrench_input", "marker whose body takes the reaction, -1: none"),
     Row("wrench_axes", "ints", 1, "n_wrench_input", "marker in whose axes it is given, -1: inertial"),
@@ -130,7 +130,7 @@ ARRAYS = (
     Row("constraint_rows", "ints", 1, "n_constraint", "number of rows"),
     Row("constraint_path", "ints", 1, "n_constraint", "first of the nodes between it and the ground"),
     Row("constraint_paths", "ints", 1, "n_constraint", "number of these nodes"),
-    Row("constraint_reach", "ints", 1, "n_constraint", "first value of its first row's response"),
+    Row("constraint_response", "ints", 1, "n_constraint", "first value of its first row's response"),
     Row("constraint_width", "ints", 1, "n_constraint", "values in a row's response"),
     Row("path_node", "ints", 1, "n_path", "node, ascending within a constraint"),
     Row("path_at", "ints", 1, "n_path", "where the node's joint stands in a row's response"),
@@ -141,11 +141,11 @@ ARRAYS = (
     Row("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
     Row("row_at_start", "ints", 1, "n_row", "1: a coupling's offset, or a distance, is that of the start"),
     Row("row_parallel", "ints", 1, "n_row", "part of what keeps markers' z axes (1) or all their axes (2) parallel; else 0"),
-    Row("constraint_meet", "ints", 1, "n_constraint", "first of the constraints before it that it meets"),
-    Row("constraint_meets", "ints", 1, "n_constraint", "number of these"),
+    Row("constraint_neighbour", "ints", 1, "n_constraint", "first of its neighbours before it"),
+    Row("constraint_neighbours", "ints", 1, "n_constraint", "number of these"),
     Row("constraint_block", "ints", 1, "n_constraint", "its diagonal block in the factor, by rows"),
-    Row("meet_constraint", "ints", 1, "n_meet", "constraint met, ascending"),
-    Row("meet_block", "ints", 1, "n_meet", "block in the factor, by rows"),
+    Row("neighbour_constraint", "ints", 1, "n_neighbour", "neighbour, ascending"),
+    Row("neighbour_block", "ints", 1, "n_neighbour", "block in the factor, by rows"),
     Row("table_knot", "ints", 1, "n_table", "first knot"),
     Row("table_knots", "ints", 1, "n_table", "number of knots"),
     Row("table_beyond", "ints", 1, "n_table", "beyond the ends, see math/tables.py"),
@@ -164,13 +164,13 @@ ARRAYS = (
     Row("surface_curve", "ints", 1, "n_surface", "profile of a prism"),
     Row("surface_table", "ints", 2, "n_surface", "tables whose knots are the patches' edges"),
     Row("surface_patch", "ints", 1, "n_surface", "first patch, s2 runs fastest"),
-    Row("contact_kind", "ints", 1, "n_contact", "see end_frames/touching.py"),
-    Row("contact_a", "ints", 1, "n_contact", "first marker"),
-    Row("contact_b", "ints", 1, "n_contact", "second marker"),
-    Row("contact_from", "ints", 1, "n_contact", "curve or surface of the first marker"),
-    Row("contact_to", "ints", 1, "n_contact", "curve of the second marker"),
-    Row("contact_z", "ints", 1, "n_contact", "first parameter, of z"),
-    Row("contact_given", "ints", 1, "n_contact", "1: start values of the parameters are given"),
+    Row("end_frame_kind", "ints", 1, "n_end_frame", "see end_frames/touching.py"),
+    Row("end_frame_a", "ints", 1, "n_end_frame", "first marker"),
+    Row("end_frame_b", "ints", 1, "n_end_frame", "second marker"),
+    Row("end_frame_from", "ints", 1, "n_end_frame", "curve or surface of the first marker"),
+    Row("end_frame_to", "ints", 1, "n_end_frame", "curve of the second marker"),
+    Row("end_frame_z", "ints", 1, "n_end_frame", "first parameter, of z"),
+    Row("end_frame_given", "ints", 1, "n_end_frame", "1: start values of the parameters are given"),
     Row("told_kind", "ints", 1, "n_told", "see notes.py"),
     Row("told_at", "ints", 1, "n_told", "node, coordinate or parameter that it is about"),
     Row("told_to", "ints", 1, "n_told", "second marker, of a joint that closes a loop"),
@@ -216,10 +216,10 @@ ARRAYS = (
     Row("strut_damping", "reals", 1, "n_strut", "N s/m"),
     Row("strut_rest", "reals", 1, "n_strut", "m, length at which its energy is zero; without force where it is linear"),
     Row("strut_told", "reals", 1, "n_strut", "m, the same as the scene tells it"),
-    Row("linear_stiffness", "reals", 36, "n_linear", "6x6 by rows (x, y, z, rx, ry, rz)"),
-    Row("linear_damping", "reals", 36, "n_linear", "6x6 by rows"),
-    Row("linear_added", "reals", 36, "n_linear", "6x6 by rows, about the second marker"),
-    Row("linear_preload", "reals", 6, "n_linear", "N, N m"),
+    Row("six_by_six_stiffness", "reals", 36, "n_six_by_six", "6x6 by rows (x, y, z, rx, ry, rz)"),
+    Row("six_by_six_damping", "reals", 36, "n_six_by_six", "6x6 by rows"),
+    Row("six_by_six_added", "reals", 36, "n_six_by_six", "6x6 by rows, about the second marker"),
+    Row("six_by_six_preload", "reals", 6, "n_six_by_six", "N, N m"),
     Row("load_force", "reals", 3, "n_load", "N"),
     Row("load_moment", "reals", 3, "n_load", "N m"),
     Row("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
@@ -297,10 +297,10 @@ ARRAYS = (
     Row("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
     Row("body_I", "state", 6, "n_body", "kg m2 about the node's origin, in the node"),
     Row("lightness", "state", 1, 1, "mass of the lightest node that has any beside the heaviest"),
-    Row("added_I", "state", 6, "n_linear", "added inertia about the second marker, moment from angular acceleration (added_mass.py)"),
-    Row("added_H", "state", 9, "n_linear", "added inertia, moment from acceleration"),
-    Row("added_M", "state", 6, "n_linear", "added mass, force from acceleration"),
-    Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position"),
+    Row("added_I", "state", 6, "n_six_by_six", "added inertia about the second marker, moment from angular acceleration (added_mass.py)"),
+    Row("added_H", "state", 9, "n_six_by_six", "added inertia, moment from acceleration"),
+    Row("added_M", "state", 6, "n_six_by_six", "added mass, force from acceleration"),
+    Row("row_redundant", "state", 1, "n_row", "1: follows from other rows in every position (multipliers.py)"),
     Row("lends", "state", 1, 1, "1: there are bodies that are lent virtual inertia (virtual.py)"),
     Row("lent_mass", "state", 1, "n_body", "kg"),
     Row("lent_inertia", "state", 1, "n_body", "kg m2, about the origin"),
@@ -357,11 +357,11 @@ ARRAYS = (
     Row("I_a", "work", 6, "n_body", "articulated or composite inertia: rotational block"),
     Row("H_a", "work", 9, "n_body", "coupling block"),
     Row("M_a", "work", 6, "n_body", "translational block"),
-    Row("bias_moment", "work", 3, "n_body", "articulated bias wrench"),
-    Row("bias_force", "work", 3, "n_body", "articulated bias wrench"),
-    Row("U_w", "work", 3, "n_body", "I_a S, moment (one-dof joints)"),
-    Row("U_r", "work", 3, "n_body", "I_a S, force (one-dof joints)"),
-    Row("D", "work", 6, "n_body", "factor of S^T I_a S; free joints: of I_a - H_a M_a^-1 H_a^T"),
+    Row("bias_moment", "work", 3, "n_body", "articulated bias wrench; once reactions are found, what the joint passes"),
+    Row("bias_force", "work", 3, "n_body", "likewise"),
+    Row("U_w", "work", 3, "n_body", "I_a S, moment; of free joints the moment left for the joint's acceleration"),
+    Row("U_r", "work", 3, "n_body", "I_a S, force; of free joints the force left"),
+    Row("D", "work", 6, "n_body", "factor of S^T I_a S (one axis: its first number alone); free joints: of I_a - H_a M_a^-1 H_a^T"),
     Row("D_M", "work", 6, "n_body", "factor of M_a (free joints)"),
     Row("N", "work", 9, "n_body", "H_a M_a^-1 (free joints)"),
     Row("effort", "work", 3, "n_body", "S-projected effort left for acceleration"),
@@ -385,11 +385,11 @@ ARRAYS = (
     Row("row_diagonal", "work", 1, "n_row", "diagonal of C M^-1 C^T"),
     Row("multiplier", "work", 1, "n_row", "lambda: the row's wrenches times it act on the bodies"),
     Row("multiplier_kept", "work", 1, "n_row", "multipliers found so far, while a change of them is sought"),
-    Row("row_left", "work", 1, "n_row", "right-hand side of the rows"),
-    Row("reach", "work", 1, "n_reach", "response of the joints to each row, whitened"),
+    Row("row_rhs", "work", 1, "n_row", "right-hand side of the rows"),
+    Row("response", "work", 1, "n_response", "response of the joints to each row, whitened"),
     Row("factor", "work", 1, "n_factor", "C M^-1 C^T = L D L^T: L in blocks"),
     Row("pivot", "work", 1, "n_row", "1 / D of the factor, 0: row dropped"),
-    Row("aim", "work", 1, "n_contact", "1: assembly takes the contact to given parameters"),
+    Row("aim", "work", 1, "n_end_frame", "1: assembly takes the contact to given parameters"),
     Row("passed_moment", "work", 3, "n_body", "wrench on its way to the ground"),
     Row("passed_force", "work", 3, "n_body", ""),
     Row("white", "work", 1, "n_v", "whitened effort"),

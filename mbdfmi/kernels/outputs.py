@@ -357,7 +357,7 @@ def write_outputs(m, d, y):
             al.set_vec_at(y, at, seen)
 
         elif kind == CONTACT_S:
-            y[at] = d.z[m.contact_z[a] + b]
+            y[at] = d.z[m.end_frame_z[a] + b]
 
         elif kind == CONTACT_RATE:
             rate1, rate2 = touching.rates(m, d, a)

@@ -47,12 +47,12 @@ def block(p, k, row, column):
 @inlined
 def prepare_added_mass(m, d, k):
     """Blocks of linear force k's added mass, about its second marker, in the axes that `added_mass.axes` turns."""
-    M = block(m.linear_added, k, 0, 0)
-    H = block(m.linear_added, k, 1, 0)
-    I = block(m.linear_added, k, 1, 1)
+    M = block(m.six_by_six_added, k, 0, 0)
+    H = block(m.six_by_six_added, k, 1, 0)
+    I = block(m.six_by_six_added, k, 1, 1)
 
-    if m.linear_axes[k] != six_by_six.HEADING:
-        A = al.mat3(m.marker_A, m.linear_to[k] if m.linear_axes[k] == six_by_six.BODY else m.linear_from[k])
+    if m.six_by_six_axes[k] != six_by_six.HEADING:
+        A = al.mat3(m.marker_A, m.six_by_six_to[k] if m.six_by_six_axes[k] == six_by_six.BODY else m.six_by_six_from[k])
         A_T = al.transpose(A)
         M = al.mat_mat(al.mat_mat(A, M), A_T)
         H = al.mat_mat(al.mat_mat(A, H), A_T)
@@ -151,11 +151,11 @@ def prepare(m, d):
 
     find_lightness(m, d)
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         prepare_added_mass(m, d, k)
 
         if not has_finite_added_mass(d, k):
-            return status(BAD_PARAMETER, m.marker_body[m.linear_to[k]])
+            return status(BAD_PARAMETER, m.marker_body[m.six_by_six_to[k]])
 
     for i in range(m.n_body):
         if not has_finite_inertia(d, i):

@@ -51,7 +51,7 @@ TWINS = [
     ("first", "second"), ("omega", "alpha"), ("w", "alpha"), ("velocity", "acceleration"),
     ("position", "velocity"), ("position", "speed"), ("angle", "speed"), ("lower", "upper"),
     ("stiffness", "damping"), ("force", "moment"), ("a", "b"), ("r", "rd"), ("rd", "rdd"), ("i", "j"),
-    ("x", "y"), ("kinetic_energy", "gravity_energy"), ("marker_a", "marker_b"), ("contact_a", "contact_b"),
+    ("x", "y"), ("kinetic_energy", "gravity_energy"), ("marker_a", "marker_b"), ("end_frame_a", "end_frame_b"),
     ("q", "v"), ("n_q", "n_v"), ("row", "column"), ("amplitude", "mean"), ("yaw", "roll"),
     ("omega_body", "omega"), ("low", "high"), ("begin", "end"), ("min", "max"), ("sin", "cos"), ("s1", "s2"),
     ("r1", "r2"), ("r11", "r22"), ("t", "tt"), ("w_a", "w_b"), ("v_a", "v_b"), ("A_a", "A_b"), ("r_a", "r_b"),

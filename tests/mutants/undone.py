@@ -258,18 +258,18 @@ UNDONE = [
     ),
     Undone(
         11, "added mass that keeps its axes feels products of velocities", "kernels/forces/added_mass.py",
-        "    if m.linear_axes[k] == BODY:\n        # the momenta",
-        "    if m.linear_axes[k] != HEADING:\n        # the momenta",
+        "    if m.six_by_six_axes[k] == BODY:\n        # the momenta",
+        "    if m.six_by_six_axes[k] != HEADING:\n        # the momenta",
         "tests/test_added_mass.py",
     ),
     Undone(
         11, "added mass that follows the heading has no gyroscopic terms", "kernels/forces/added_mass.py",
-        "    if m.linear_axes[k] == HEADING:\n        z, yaw", "    if False:\n        z, yaw",
+        "    if m.six_by_six_axes[k] == HEADING:\n        z, yaw", "    if False:\n        z, yaw",
         "tests/test_added_mass.py",
     ),
     Undone(
         11, "water moves with the inertial frame, not with the ground", "kernels/forces/added_mass.py",
-        "return m.linear_adds[k] == 1 and m.marker_body[m.linear_from[k]] > 0", "return False",
+        "return m.six_by_six_adds[k] == 1 and m.marker_body[m.six_by_six_from[k]] > 0", "return False",
         "tests/test_added_mass.py",
     ),
     # 12

@@ -72,7 +72,7 @@ def add_row_size(m, d, row, r, i):
 
 
 @apart(void(MODEL, DATA, boolean))
-def reach_rows(m, d, everything):
+def respond_to_rows(m, d, everything):
     """R: whitened responses of the rows, the redundant ones only with `everything`.
 
     Needs write_rows and the articulated inertias of aba.
@@ -91,7 +91,7 @@ def reach_rows(m, d, everything):
 
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
-            at = m.constraint_reach[c] + k * m.constraint_width[c]
+            at = m.constraint_response[c] + k * m.constraint_width[c]
 
             if multipliers.is_idle(d, row, everything):
                 continue
@@ -120,7 +120,7 @@ def reach_rows(m, d, everything):
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
                 add_row_size(m, d, row, r, i)
-                joints.pass_wrench(m, d, d.reach, i, at + m.path_at[step], rows.effort_on(m, row, i))
+                joints.pass_wrench(m, d, d.response, i, at + m.path_at[step], rows.effort_on(m, row, i))
 
 
 @kernel

@@ -290,7 +290,7 @@ def forward(m, d):
 
 @inlined
 def add_jacobian(m, d, row, r, i, moment, force):
-    """Efforts S^T (moment, force) that a wrench about body i's origin means in all joints below it, onto the row of d.reach.
+    """Efforts S^T (moment, force) that a wrench about body i's origin means in all joints below it, onto the row of d.response.
 
     Adds to row_size what they could be if the wrench, whose force acts at r, met the axes of these joints.
     """
@@ -303,7 +303,7 @@ def add_jacobian(m, d, row, r, i, moment, force):
         for k in range(joints.n_v(kind) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
             diagonal = d.mass_matrix[n * (v + k) + v + k]
-            d.reach[row * n + v + k] += al.dot(S_w, moment) + al.dot(S_r, force)
+            d.response[row * n + v + k] += al.dot(S_w, moment) + al.dot(S_r, force)
 
             if joints.is_one_axis(kind):
                 lever = al.sub(r, al.vec3(d.r, i))
@@ -342,7 +342,7 @@ def pivots(m, d, i):
 
 
 @apart(void(MODEL, DATA, boolean))
-def reach_rows(m, d, everything):
+def respond_to_rows(m, d, everything):
     """Rows of C L^-T, each over all velocity coordinates; redundant ones only with `everything`."""
     n = m.n_v
 
@@ -364,7 +364,7 @@ def reach_rows(m, d, everything):
         d.row_size[row] = 0.0
 
         for v in range(n):
-            d.reach[at + v] = 0.0
+            d.response[at + v] = 0.0
 
         a = m.marker_body[m.constraint_from[c]]
         b = m.marker_body[m.constraint_to[c]]
@@ -375,7 +375,7 @@ def reach_rows(m, d, everything):
         if m.row_kind[row] == rows.COUPLING:
             for i in range(1, m.n_body):
                 if d.held[i] == 0.0:
-                    d.reach[at + m.body_v[i]] += rows.effort_on(m, row, i)
+                    d.response[at + m.body_v[i]] += rows.effort_on(m, row, i)
 
             if m.constraint_from_2[c] >= 0:
                 a = m.marker_body[m.constraint_from_2[c]]
@@ -383,7 +383,7 @@ def reach_rows(m, d, everything):
                 add_jacobian(m, d, row, r, a, al.vec3(d.row_moment_from_2, row), al.vec3(d.row_force_from_2, row))
                 add_jacobian(m, d, row, r, b, al.vec3(d.row_moment_to_2, row), al.vec3(d.row_force_to_2, row))
 
-        solve_lower(d.mass_matrix, n, d.reach, at)
+        solve_lower(d.mass_matrix, n, d.response, at)
 
 
 @kernel

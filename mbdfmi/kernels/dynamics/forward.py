@@ -18,32 +18,32 @@ REFINEMENTS = 3
 
 
 @inlined
-def reach_and_factor(m, d, positional):
+def respond_and_factor(m, d, positional):
     """Responses of the rows and the factor of C M^-1 C^T."""
-    reach(m, d, multipliers.all_matter(m, positional))
+    respond_to_rows(m, d, multipliers.needs_redundant(m, positional))
     multipliers.factor_rows(m, d, positional)
 
 
 @inlined
-def reach(m, d, everything):
+def respond_to_rows(m, d, everything):
     """Responses of the rows, the redundant ones only with `everything`."""
     if m.embeds == 1:
-        embedding.reach_rows(m, d, everything)
+        embedding.respond_to_rows(m, d, everything)
     else:
-        articulated.reach_rows(m, d, everything)
+        articulated.respond_to_rows(m, d, everything)
 
 
 @kernel
 def exchange_rows(m, d):
     """Redundant rows take the place of weak ones; needs factor_rows_here at the same positions."""
     if multipliers.has_weak_row(m, d):
-        reach(m, d, True)
+        respond_to_rows(m, d, True)
         multipliers.exchange_rows(m, d)
 
 
 @apart(void(MODEL, DATA))
 def correct(m, d):
-    """The smallest change (in the metric of the inertia) whose row values are d.row_left, into d.change."""
+    """The smallest change (in the metric of the inertia) whose row values are d.row_rhs, into d.change."""
     multipliers.solve_rows(m, d)
     multipliers.gather_white(m, d)
 
@@ -63,7 +63,7 @@ def factor_rows_here(m, d, positional):
     failure = embedding.factor(m, d) if m.embeds == 1 else articulated.aba(m, d)
 
     if failure == OK:
-        reach_and_factor(m, d, positional)
+        respond_and_factor(m, d, positional)
 
     return failure
 
@@ -109,8 +109,8 @@ def refine(m, d):
 
         for row in range(m.n_row):
             d.multiplier_kept[row] = d.multiplier[row]
-            d.row_left[row] = -multipliers.row_acceleration(m, d, row)
-            size = max(size, abs(d.row_left[row]) if d.pivot[row] > 0.0 else 0.0)
+            d.row_rhs[row] = -multipliers.row_acceleration(m, d, row)
+            size = max(size, abs(d.row_rhs[row]) if d.pivot[row] > 0.0 else 0.0)
 
         if not size < 0.1 * size_before:
             return
@@ -136,11 +136,11 @@ def accelerate(m, d):
 
     if m.n_row > 0:
         rows.write_rows(m, d)
-        reach_and_factor(m, d, False)
+        respond_and_factor(m, d, False)
 
         # lambda = -(C M^-1 C^T)^+ (C v' + g'' bias)
         for row in range(m.n_row):
-            d.row_left[row] = -multipliers.row_acceleration(m, d, row)
+            d.row_rhs[row] = -multipliers.row_acceleration(m, d, row)
 
         correct(m, d)
         multipliers.add_changes(m, d)

@@ -100,9 +100,9 @@ def kinetic_energy(m, d):
         L, p = momentum(m, d, i)
         energy += 0.5 * (al.dot(al.vec3(d.w, i), L) + al.dot(al.vec3(d.rd, i), p))
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         if added_mass.is_in_moving_water(m, k):
-            i = m.marker_body[m.linear_to[k]]
+            i = m.marker_body[m.six_by_six_to[k]]
             w, rd = added_mass.carried(m, d, k)
             L, p = added_mass.borne(m, d, k)
             energy -= al.dot(al.axpy(-0.5, w, al.vec3(d.w, i)), L) + al.dot(al.axpy(-0.5, rd, al.vec3(d.rd, i)), p)
@@ -133,10 +133,10 @@ def total_momentum(m, d):
         angular = al.add(angular, al.add(L, al.cross(al.vec3(d.r, i), p)))
         linear = al.add(linear, p)
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         if added_mass.is_in_moving_water(m, k):
             L, p = added_mass.borne(m, d, k)
-            r = al.vec3(d.r, m.marker_body[m.linear_to[k]])
+            r = al.vec3(d.r, m.marker_body[m.six_by_six_to[k]])
             angular = al.sub(angular, al.add(L, al.cross(r, p)))
             linear = al.sub(linear, p)
 

@@ -41,7 +41,7 @@ def respond(m, d):
         articulated.whiten_wrenches(m, d)
 
     for row in range(m.n_row):
-        d.row_left[row] = -multipliers.row_of_white(m, d, row)
+        d.row_rhs[row] = -multipliers.row_of_white(m, d, row)
 
     multipliers.solve_rows(m, d)
     multipliers.add_white(m, d)

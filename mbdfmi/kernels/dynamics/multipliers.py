@@ -44,7 +44,8 @@ WEAK = 1e-3
 LOOSE_WEAK = 0.1
 GROWN = 2.0
 
-# of row_redundant: a redundant row that may take another's place
+# of row_redundant: a row that follows from others, and one that may take another's place; 0: neither
+REDUNDANT = 1.0
 CANDIDATE = 2.0
 
 
@@ -57,8 +58,8 @@ def noise(m, d, i, r, turning, sliding):
 
 
 @inlined
-def all_matter(m, positional):
-    """Whether redundant rows may stand for others: without rows about velocities alone they need not be redundant."""
+def needs_redundant(m, positional):
+    """Whether redundant rows are needed too: where rows about velocities alone are left out they may not be redundant."""
     if positional:
         for row in range(m.n_row):
             if rows.is_of_velocity(m, row):
@@ -70,21 +71,21 @@ def all_matter(m, positional):
 @inlined
 def is_idle(d, row, everything):
     """Whether a row follows from others and is not asked for: it costs nothing then."""
-    return d.row_redundant[row] == 1.0 and not everything
+    return d.row_redundant[row] == REDUNDANT and not everything
 
 
 @inlined
 def row_of_white(m, d, row):
     """What whitened efforts d.white change in g''."""
     c = m.row_constraint[row]
-    at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
+    at = m.constraint_response[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
     total = 0.0
 
     for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
         i = m.path_node[step]
 
         for k in range(joints.n_v(m.body_joint[i])):
-            total += d.reach[at + m.path_at[step] + k] * d.white[m.body_v[i] + k]
+            total += d.response[at + m.path_at[step] + k] * d.white[m.body_v[i] + k]
 
     return total
 
@@ -94,13 +95,13 @@ def product(m, d, row, other):
     """Element (row, other) of R R^T: over the joints that both rows reach."""
     c = m.row_constraint[row]
     e = m.row_constraint[other]
-    at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
-    to = m.constraint_reach[e] + (other - m.constraint_row[e]) * m.constraint_width[e]
+    at = m.constraint_response[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
+    to = m.constraint_response[e] + (other - m.constraint_row[e]) * m.constraint_width[e]
     total = 0.0
 
     if c == e:
         for k in range(m.constraint_width[c]):
-            total += d.reach[at + k] * d.reach[to + k]
+            total += d.response[at + k] * d.response[to + k]
 
         return total
 
@@ -118,7 +119,7 @@ def product(m, d, row, other):
             y = to + m.path_at[turn]
 
             for k in range(joints.n_v(m.body_joint[i])):
-                total += d.reach[x + k] * d.reach[y + k]
+                total += d.response[x + k] * d.response[y + k]
 
             step += 1
             turn += 1
@@ -156,31 +157,31 @@ def largest_of_kind(m, d, row):
     size = 0.0
 
     for other in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
-        if m.row_kind[other] == m.row_kind[row] and d.row_redundant[other] != 1.0:
+        if m.row_kind[other] == m.row_kind[row] and d.row_redundant[other] != REDUNDANT:
             size = max(size, d.row_diagonal[other])
 
     return size
 
 
 @inlined
-def common(m, d, c, end, row, e, other):
-    """Sum over the constraints before e that both c and e meet of (unscaled L of row) (L of other)^T.
+def product_before(m, d, c, end, row, e, other):
+    """Sum over the constraints before e that are neighbours of both c and e of (unscaled L of row) (L of other)^T.
 
-    row, other : rows of c and e, counted from their first; `end` : where e stands among those that c meets.
+    row, other : rows of c and e, counted from their first; `end` : where e stands among c's neighbours.
     """
     total = 0.0
-    t = m.constraint_meet[c]
-    u = m.constraint_meet[e]
-    last = u + m.constraint_meets[e]
+    t = m.constraint_neighbour[c]
+    u = m.constraint_neighbour[e]
+    last = u + m.constraint_neighbours[e]
 
     while t < end and u < last:
-        k = m.meet_constraint[t]
-        l = m.meet_constraint[u]
+        k = m.neighbour_constraint[t]
+        l = m.neighbour_constraint[u]
 
         if k == l:
             n = m.constraint_rows[k]
-            x = m.meet_block[t] + row * n
-            y = m.meet_block[u] + other * n
+            x = m.neighbour_block[t] + row * n
+            y = m.neighbour_block[u] + other * n
 
             for s in range(n):
                 total += d.factor[x + s] * d.factor[y + s]
@@ -198,14 +199,14 @@ def common(m, d, c, end, row, e, other):
 def factor_row(m, d, c, i):
     """Row i (counted from its first) of constraint c in the factor; returns its pivot before any dropping."""
     row = m.constraint_row[c] + i
-    first = m.constraint_meet[c]
-    end = first + m.constraint_meets[c]
+    first = m.constraint_neighbour[c]
+    end = first + m.constraint_neighbours[c]
 
     # unscaled: columns of constraints met before, then of its own rows before
     for t in range(first, end + 1):
-        e = m.meet_constraint[t] if t < end else c
+        e = m.neighbour_constraint[t] if t < end else c
         n = m.constraint_rows[e]
-        at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+        at = (m.neighbour_block[t] if t < end else m.constraint_block[c]) + i * n
         to = m.constraint_block[e]
 
         for j in range(n if t < end else i):
@@ -214,7 +215,7 @@ def factor_row(m, d, c, i):
                 d.factor[at + j] = 0.0
                 continue
 
-            value = product(m, d, row, m.constraint_row[e] + j) - common(m, d, c, t, i, e, j)
+            value = product(m, d, row, m.constraint_row[e] + j) - product_before(m, d, c, t, i, e, j)
 
             for s in range(j):
                 value -= d.factor[at + s] * d.factor[to + j * n + s]
@@ -225,9 +226,9 @@ def factor_row(m, d, c, i):
     pivot = d.row_diagonal[row]
 
     for t in range(first, end + 1):
-        e = m.meet_constraint[t] if t < end else c
+        e = m.neighbour_constraint[t] if t < end else c
         n = m.constraint_rows[e]
-        at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+        at = (m.neighbour_block[t] if t < end else m.constraint_block[c]) + i * n
 
         for j in range(n if t < end else i):
             value = d.factor[at + j]
@@ -255,12 +256,12 @@ def raise_diagonal(m, d):
 
 @apart(void(MODEL, DATA, boolean))
 def factor_rows(m, d, positional):
-    """L D L^T of R R^T, in blocks of constraints that meet (fill included).
+    """L D L^T of R R^T, in blocks of neighbours (constraints that share joints, or come to by fill).
 
     The factor's rows have a unit diagonal; pivot holds 1 / D, 0 where a row was dropped, and when `positional` also of
     rows that are about velocities alone. A row that follows only from such rows is then not redundant.
     """
-    everything = all_matter(m, positional)
+    everything = needs_redundant(m, positional)
     least = LOOSE_DROP if d.loose[0] > 0.0 else drop_share(d)
 
     for row in range(m.n_row):
@@ -295,7 +296,7 @@ def weakest_row(m, d):
     least = math.inf
 
     for row in range(m.n_row):
-        if d.row_redundant[row] != 1.0:
+        if d.row_redundant[row] != REDUNDANT:
             share = 0.0 if d.pivot[row] == 0.0 else 1.0 / (d.pivot[row] * row_reference(m, d, row))
 
             # of candidates some are dropped in any case
@@ -338,7 +339,7 @@ def exchange_rows(m, d):
     """Redundant rows take the place of weak ones, when they add more.
 
     How many rows follow from others is a matter of structure, which of them can stand for the others is one of position.
-    Needs reach_rows of everything and factor_rows at the same positions; leaves a factor without the rows that are
+    Needs respond_to_rows of everything and factor_rows at the same positions; leaves a factor without the rows that are
     redundant then.
     """
     redundant = 0
@@ -353,11 +354,12 @@ def exchange_rows(m, d):
             return
 
         for row in range(m.n_row):
-            d.row_redundant[row] *= CANDIDATE
+            if d.row_redundant[row] == REDUNDANT:
+                d.row_redundant[row] = CANDIDATE
 
         # one that adds less than the weak row does not do better
         d.weakest[0] = share
-        d.row_redundant[weak] = 1.0
+        d.row_redundant[weak] = REDUNDANT
         factor_rows(m, d, False)
         dropped = 0
 
@@ -369,9 +371,9 @@ def exchange_rows(m, d):
 
         for row in range(m.n_row):
             if better:
-                d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
-            else:
-                d.row_redundant[row] /= CANDIDATE
+                d.row_redundant[row] = REDUNDANT if d.pivot[row] == 0.0 else 0.0
+            elif d.row_redundant[row] == CANDIDATE:
+                d.row_redundant[row] = REDUNDANT
 
         # at a singular position there is nothing better
         if not better:
@@ -381,22 +383,22 @@ def exchange_rows(m, d):
 
 @inlined
 def solve_rows(m, d):
-    """Multipliers of the right-hand side d.row_left: least changes in the metric of the inertia."""
+    """Multipliers of the right-hand side d.row_rhs: least changes in the metric of the inertia."""
     for c in range(m.n_constraint):
-        first = m.constraint_meet[c]
-        end = first + m.constraint_meets[c]
+        first = m.constraint_neighbour[c]
+        end = first + m.constraint_neighbours[c]
 
         for i in range(m.constraint_rows[c]):
             if d.pivot[m.constraint_row[c] + i] == 0.0:
                 d.multiplier[m.constraint_row[c] + i] = 0.0
                 continue
 
-            value = d.row_left[m.constraint_row[c] + i]
+            value = d.row_rhs[m.constraint_row[c] + i]
 
             for t in range(first, end + 1):
-                e = m.meet_constraint[t] if t < end else c
+                e = m.neighbour_constraint[t] if t < end else c
                 n = m.constraint_rows[e]
-                at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+                at = (m.neighbour_block[t] if t < end else m.constraint_block[c]) + i * n
 
                 for j in range(n if t < end else i):
                     value -= d.factor[at + j] * d.multiplier[m.constraint_row[e] + j]
@@ -407,8 +409,8 @@ def solve_rows(m, d):
         d.multiplier[row] *= d.pivot[row]
 
     for c in range(m.n_constraint - 1, -1, -1):
-        first = m.constraint_meet[c]
-        end = first + m.constraint_meets[c]
+        first = m.constraint_neighbour[c]
+        end = first + m.constraint_neighbours[c]
 
         for i in range(m.constraint_rows[c] - 1, -1, -1):
             value = d.multiplier[m.constraint_row[c] + i]
@@ -417,9 +419,9 @@ def solve_rows(m, d):
                 continue
 
             for t in range(first, end + 1):
-                e = m.meet_constraint[t] if t < end else c
+                e = m.neighbour_constraint[t] if t < end else c
                 n = m.constraint_rows[e]
-                at = (m.meet_block[t] if t < end else m.constraint_block[c]) + i * n
+                at = (m.neighbour_block[t] if t < end else m.constraint_block[c]) + i * n
 
                 for j in range(n if t < end else i):
                     d.multiplier[m.constraint_row[e] + j] -= d.factor[at + j] * value
@@ -439,7 +441,7 @@ def add_white(m, d):
     """R^T lambda to d.white."""
     for row in range(m.n_row):
         c = m.row_constraint[row]
-        at = m.constraint_reach[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
+        at = m.constraint_response[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
         factor = d.multiplier[row]
 
         if factor == 0.0:
@@ -449,7 +451,7 @@ def add_white(m, d):
             i = m.path_node[step]
 
             for k in range(joints.n_v(m.body_joint[i])):
-                d.white[m.body_v[i] + k] += factor * d.reach[at + m.path_at[step] + k]
+                d.white[m.body_v[i] + k] += factor * d.response[at + m.path_at[step] + k]
 
 
 @inlined

@@ -94,7 +94,7 @@ def gap_left(m, d, starting, first):
 
     for row in range(m.n_row):
         gap = abs(d.row_gap[row])
-        left_out = (d.pivot[row] == 0.0 and not first) if starting else d.row_redundant[row] == 1.0
+        left_out = (d.pivot[row] == 0.0 and not first) if starting else d.row_redundant[row] == multipliers.REDUNDANT
         left_out = left_out and d.loose[0] > 0.0 and gap <= GAP_MOST
 
         if not (left_out or gap <= size):
@@ -164,7 +164,7 @@ def close_gaps(m, d, gap_allowed, stride):
             break
 
         for row in range(m.n_row):
-            d.row_left[row] = -d.row_gap[row]
+            d.row_rhs[row] = -d.row_gap[row]
 
         forward.correct(m, d)
         size = step_size(m, d, starting)
@@ -234,7 +234,7 @@ def factor_for_velocities(m, d):
 def project_velocities(m, d):
     """The nearest velocities (in the mass metric) that the rows allow; needs rows and their factor."""
     for row in range(m.n_row):
-        d.row_left[row] = -d.row_rate[row]
+        d.row_rhs[row] = -d.row_rate[row]
 
     forward.correct(m, d)
 

@@ -10,7 +10,7 @@ from ..math import algebra as al
 from ..motion import drives, kinematics
 from ..status import OK
 from ..views import DATA, MODEL
-from . import forward, given, holding, projection, rows, start_positions
+from . import forward, given, holding, multipliers, projection, rows, start_positions
 from .projection import (
     close_gaps,
     factor_for_velocities,
@@ -94,7 +94,7 @@ def find_redundant(m, d):
             factor_for_velocities(m, d)
 
             for row in range(m.n_row):
-                d.row_redundant[row] = 1.0 if d.pivot[row] == 0.0 else 0.0
+                d.row_redundant[row] = multipliers.REDUNDANT if d.pivot[row] == 0.0 else 0.0
 
             forward.exchange_rows(m, d)
 

@@ -51,7 +51,7 @@ PAIR_SAMPLES = 64
 @inlined
 def is_sphere(m, k):
     """Whether contact k is a point on a sphere."""
-    return m.contact_kind[k] == ON_SURFACE and m.surface_kind[m.contact_from[k]] == surfaces.SPHERE
+    return m.end_frame_kind[k] == ON_SURFACE and m.surface_kind[m.end_frame_from[k]] == surfaces.SPHERE
 
 
 @kernel
@@ -60,8 +60,8 @@ def seen_motion(m, d, k, r):
 
     The acceleration is that when the bodies have none.
     """
-    i = m.marker_body[m.contact_a[k]]
-    j = m.marker_body[m.contact_b[k]]
+    i = m.marker_body[m.end_frame_a[k]]
+    j = m.marker_body[m.end_frame_b[k]]
     w_a = al.vec3(d.w, i)
     w_b = al.vec3(d.w, j)
     P = al.sub(r, al.vec3(d.r, i))
@@ -96,10 +96,10 @@ def curve_normal(m, k, t, i):
 @kernel
 def point_on_curve(m, d, k):
     """(A_a, point in O, e, t, tt), vectors in a's axes."""
-    a = m.contact_a[k]
+    a = m.end_frame_a[k]
     A = markers.axes(m, d, a)
-    r_b = markers.position(m, d, m.contact_b[k])
-    r, t, tt = curves.point(m, m.contact_from[k], d.z[m.contact_z[k]])
+    r_b = markers.position(m, d, m.end_frame_b[k])
+    r, t, tt = curves.point(m, m.end_frame_from[k], d.z[m.end_frame_z[k]])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
     return A, r_b, e, t, tt
 
@@ -107,11 +107,11 @@ def point_on_curve(m, d, k):
 @kernel
 def point_on_surface(m, d, k):
     """(A_a, point in O, e, r_1, r_2, r_11, r_12, r_22), vectors in a's axes."""
-    a = m.contact_a[k]
+    a = m.end_frame_a[k]
     A = markers.axes(m, d, a)
-    r_b = markers.position(m, d, m.contact_b[k])
-    s = m.contact_z[k]
-    r, r1, r2, r11, r12, r22 = surfaces.point(m, m.contact_from[k], d.z[s], d.z[s + 1])
+    r_b = markers.position(m, d, m.end_frame_b[k])
+    s = m.end_frame_z[k]
+    r, r1, r2, r11, r12, r22 = surfaces.point(m, m.end_frame_from[k], d.z[s], d.z[s + 1])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
     return A, r_b, e, r1, r2, r11, r12, r22
 
@@ -123,13 +123,13 @@ def curve_on_curve(m, d, k):
     Returns (point on b's curve in O, e, unit tangent and normal of a's, |t_a|, n.tt_a, t_b, tt_b).
     The normal is in the plane of a's curve, so what separates the two planes does not count.
     """
-    a = m.contact_a[k]
-    b = m.contact_b[k]
+    a = m.end_frame_a[k]
+    b = m.end_frame_b[k]
     A_a = markers.axes(m, d, a)
     A_b = markers.axes(m, d, b)
-    s = m.contact_z[k]
-    r_a, t_a, tt_a = curves.point(m, m.contact_from[k], d.z[s])
-    r_b, t_b, tt_b = curves.point(m, m.contact_to[k], d.z[s + 1])
+    s = m.end_frame_z[k]
+    r_a, t_a, tt_a = curves.point(m, m.end_frame_from[k], d.z[s])
+    r_b, t_b, tt_b = curves.point(m, m.end_frame_to[k], d.z[s + 1])
     r = al.add(markers.position(m, d, b), al.mat_vec(A_b, r_b))
     e = al.sub(r, al.add(markers.position(m, d, a), al.mat_vec(A_a, r_a)))
     length = al.norm(t_a)
@@ -171,7 +171,7 @@ def surface_rates(v, r1, r2):
 @kernel
 def rates(m, d, k):
     """(s1', s2') of contact k; of a point on a curve s2' is zero. Needs kinematics."""
-    kind = m.contact_kind[k]
+    kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
         A, r, e, t, tt = point_on_curve(m, d, k)
@@ -185,8 +185,8 @@ def rates(m, d, k):
 
     r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
     seen, _ = seen_motion(m, d, k, r)
-    w = markers.angular_velocity(m, d, m.contact_b[k])
-    w = al.sub(w, markers.angular_velocity(m, d, m.contact_a[k]))
+    w = markers.angular_velocity(m, d, m.end_frame_b[k])
+    w = al.sub(w, markers.angular_velocity(m, d, m.end_frame_a[k]))
     J = tangency(e, tangent, n, length, bend_a, t_b, tt_b)
     return solve2(J[0], J[1], J[2], J[3], al.dot(tangent, seen), -al.dot(n, al.cross(w, t_b)))
 
@@ -194,8 +194,8 @@ def rates(m, d, k):
 @inlined
 def longitude_rate(m, d, k):
     """Rate (rad/s) of the longitude of a point on a sphere, 0 at the poles."""
-    e = markers.relative_position(m, d, m.contact_a[k], m.contact_b[k])
-    v = markers.relative_velocity(m, d, m.contact_a[k], m.contact_b[k])
+    e = markers.relative_position(m, d, m.end_frame_a[k], m.end_frame_b[k])
+    v = markers.relative_velocity(m, d, m.end_frame_a[k], m.end_frame_b[k])
     square = e[0] * e[0] + e[1] * e[1]
     return (e[0] * v[1] - e[1] * v[0]) / square if square > 1e-24 * al.dot(e, e) else 0.0
 
@@ -203,8 +203,8 @@ def longitude_rate(m, d, k):
 @apart(void(MODEL, DATA))
 def parameter_rates(m, d):
     """s' of all contacts into d.z_rate; needs kinematics."""
-    for k in range(m.n_contact):
-        s = m.contact_z[k]
+    for k in range(m.n_end_frame):
+        s = m.end_frame_z[k]
 
         if is_sphere(m, k):
             d.z_rate[s] = longitude_rate(m, d, k)
@@ -213,7 +213,7 @@ def parameter_rates(m, d):
 
         rate1, rate2 = rates(m, d, k)
 
-        if m.contact_kind[k] == ON_CURVE:
+        if m.end_frame_kind[k] == ON_CURVE:
             d.z_rate[s] = rate1
         else:
             d.z_rate[s] = rate1
@@ -223,7 +223,7 @@ def parameter_rates(m, d):
 @inlined
 def span(m, d, k):
     """(point at the contact in O, e in inertial axes) with s as it is."""
-    kind = m.contact_kind[k]
+    kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
         A, r, e, t, tt = point_on_curve(m, d, k)
@@ -250,26 +250,26 @@ def row(m, d, k, i):
         u = al.scale(1.0 / gap, e) if gap > 0.0 and i == 0 else al.ZERO3
         return u, r, al.dot(u, e), 0.0, 0.0
 
-    if m.contact_kind[k] == ON_CURVE:
+    if m.end_frame_kind[k] == ON_CURVE:
         A, r, e, t, tt = point_on_curve(m, d, k)
-        n = curve_normal(m, m.contact_from[k], t, i)
+        n = curve_normal(m, m.end_frame_from[k], t, i)
         u = al.mat_vec(A, n)
         seen, bias = seen_motion(m, d, k, r)
         rate = al.dot(t, al.matT_vec(A, seen)) / al.dot(t, t)
         return u, r, al.dot(n, e), al.dot(u, seen), al.dot(u, bias) - al.dot(n, tt) * rate * rate
 
     if is_sphere(m, k):
-        a = m.contact_a[k]
-        r = markers.position(m, d, m.contact_b[k])
+        a = m.end_frame_a[k]
+        r = markers.position(m, d, m.end_frame_b[k])
         out = al.sub(r, markers.position(m, d, a))
         length = al.norm(out)
         u = al.scale(1.0 / length, out)
         seen, bias = seen_motion(m, d, k, r)
         away = al.dot(u, seen)
         bend = (al.dot(seen, seen) - away * away) / length
-        return u, r, length - m.surface_value[2 * m.contact_from[k]], away, al.dot(u, bias) + bend
+        return u, r, length - m.surface_value[2 * m.end_frame_from[k]], away, al.dot(u, bias) + bend
 
-    if m.contact_kind[k] == ON_SURFACE:
+    if m.end_frame_kind[k] == ON_SURFACE:
         A, r, e, r1, r2, r11, r12, r22 = point_on_surface(m, d, k)
         n = al.cross(r1, r2)
         n = al.scale(1.0 / al.norm(n), n)
@@ -282,8 +282,8 @@ def row(m, d, k, i):
 
     r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
     seen, bias = seen_motion(m, d, k, r)
-    w = markers.angular_velocity(m, d, m.contact_b[k])
-    w = al.sub(w, markers.angular_velocity(m, d, m.contact_a[k]))
+    w = markers.angular_velocity(m, d, m.end_frame_b[k])
+    w = al.sub(w, markers.angular_velocity(m, d, m.end_frame_a[k]))
     J = tangency(e, tangent, n, length, bend_a, t_b, tt_b)
     turned = al.dot(n, al.cross(w, t_b))
     slip = al.dot(tangent, seen)
@@ -295,7 +295,7 @@ def row(m, d, k, i):
 @kernel
 def newton(m, d, k):
     """Newton's step (ds1, ds2) of contact k's parameters."""
-    kind = m.contact_kind[k]
+    kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
         A, r, e, t, tt = point_on_curve(m, d, k)
@@ -327,8 +327,8 @@ def newton(m, d, k):
 @inlined
 def read_sphere(m, d, k):
     """Longitude and latitude of a point on a sphere, on the turn closest to the one before."""
-    s = m.contact_z[k]
-    e = markers.relative_position(m, d, m.contact_a[k], m.contact_b[k])
+    s = m.end_frame_z[k]
+    e = markers.relative_position(m, d, m.end_frame_a[k], m.end_frame_b[k])
     d.z[s] = coordinates.unwrapped(math.atan2(e[1], e[0]), d.z[s])
     d.z[s + 1] = math.atan2(e[2], math.sqrt(e[0] * e[0] + e[1] * e[1]))
 
@@ -336,8 +336,8 @@ def read_sphere(m, d, k):
 @apart(void(MODEL, DATA))
 def find_parameters(m, d):
     """s of all contacts from where they are: closest points, common tangents. Needs kinematics."""
-    for k in range(m.n_contact):
-        s = m.contact_z[k]
+    for k in range(m.n_end_frame):
+        s = m.end_frame_z[k]
 
         if d.aim[k] > 0.0:
             continue
@@ -351,7 +351,7 @@ def find_parameters(m, d):
             d.z[s] += ds1
             done = abs(ds1) <= ROUNDING * (1.0 + abs(d.z[s]))
 
-            if m.contact_kind[k] != ON_CURVE:
+            if m.end_frame_kind[k] != ON_CURVE:
                 d.z[s + 1] += ds2
                 done = done and abs(ds2) <= ROUNDING * (1.0 + abs(d.z[s + 1]))
 
@@ -368,9 +368,9 @@ def miss(m, d, k):
     r, e = span(m, d, k)
     missed = al.dot(e, e)
 
-    if m.contact_kind[k] == CURVES:
+    if m.end_frame_kind[k] == CURVES:
         r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
-        size = m.curve_size[m.contact_from[k]] + m.curve_size[m.contact_to[k]]
+        size = m.curve_size[m.end_frame_from[k]] + m.curve_size[m.end_frame_to[k]]
         sine = size * al.dot(n, t_b) / al.norm(t_b)
         missed += sine * sine
 
@@ -380,16 +380,16 @@ def miss(m, d, k):
 @kernel
 def windows(m, d, k):
     """Where to search for contact k's parameters: (lowest, highest, samples) of each."""
-    a = m.contact_a[k]
-    b = m.contact_b[k]
-    i = m.contact_from[k]
+    a = m.end_frame_a[k]
+    b = m.end_frame_b[k]
+    i = m.end_frame_from[k]
     p = markers.relative_position(m, d, a, b)
 
-    if m.contact_kind[k] == ON_CURVE:
+    if m.end_frame_kind[k] == ON_CURVE:
         low, high = curves.window(m, i, p, 0.0)
         return (low, high, max(SAMPLES, 4 * curves.pieces(m, i))), (0.0, 0.0, 1)
 
-    if m.contact_kind[k] == ON_SURFACE:
+    if m.end_frame_kind[k] == ON_SURFACE:
         one, two = surfaces.window(m, i, p)
         n1, n2 = surfaces.pieces(m, i)
         return (one[0], one[1], max(PAIR_SAMPLES, 4 * n1)), (
@@ -398,7 +398,7 @@ def windows(m, d, k):
             max(PAIR_SAMPLES, 4 * n2),
         )
 
-    j = m.contact_to[k]
+    j = m.end_frame_to[k]
     low1, high1 = curves.window(m, i, p, m.curve_size[j])
     low2, high2 = curves.window(m, j, markers.relative_position(m, d, b, a), m.curve_size[i])
     n1 = max(PAIR_SAMPLES, 4 * curves.pieces(m, i))
@@ -409,7 +409,7 @@ def windows(m, d, k):
 @kernel
 def search(m, d, k):
     """Parameters of contact k near which it touches, by samples."""
-    s = m.contact_z[k]
+    s = m.end_frame_z[k]
     one, two = windows(m, d, k)
     best = (math.inf, one[0], two[0])
 
@@ -434,12 +434,12 @@ def search(m, d, k):
 @kernel
 def start(m, d):
     """Start values of s, as given or near the bodies' start positions. Needs kinematics."""
-    for k in range(m.n_contact):
+    for k in range(m.n_end_frame):
         d.aim[k] = 0.0
 
-        if m.contact_given[k] == 1:
-            for i in range(1 if m.contact_kind[k] == ON_CURVE else 2):
-                d.z[m.contact_z[k] + i] = m.s_start[m.contact_z[k] + i]
+        if m.end_frame_given[k] == 1:
+            for i in range(1 if m.end_frame_kind[k] == ON_CURVE else 2):
+                d.z[m.end_frame_z[k] + i] = m.s_start[m.end_frame_z[k] + i]
 
         elif not is_sphere(m, k):
             search(m, d, k)
@@ -450,9 +450,9 @@ def aim(m, d):
     """Aim contacts at their parameters where these were given. Returns whether there are any."""
     aimed = False
 
-    for k in range(m.n_contact):
-        d.aim[k] = float(m.contact_given[k])
-        aimed = aimed or m.contact_given[k] == 1
+    for k in range(m.n_end_frame):
+        d.aim[k] = float(m.end_frame_given[k])
+        aimed = aimed or m.end_frame_given[k] == 1
 
     return aimed
 
@@ -460,5 +460,5 @@ def aim(m, d):
 @inlined
 def release(m, d):
     """Contacts no longer aimed."""
-    for k in range(m.n_contact):
+    for k in range(m.n_end_frame):
         d.aim[k] = 0.0

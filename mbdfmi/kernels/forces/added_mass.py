@@ -25,20 +25,20 @@ from .six_by_six import BODY, FIRST, HEADING
 @inlined
 def is_in_moving_water(m, k):
     """Whether force k has added mass, and the ground is one that moves."""
-    return m.linear_adds[k] == 1 and m.marker_body[m.linear_from[k]] > 0
+    return m.six_by_six_adds[k] == 1 and m.marker_body[m.six_by_six_from[k]] > 0
 
 
 @inlined
 def axes(m, d, k):
     """Rotation to O of the axes in which the prepared blocks of force k are: of the ground, its first marker, or its body."""
-    if m.linear_axes[k] == BODY:
-        return al.mat3(d.A, m.marker_body[m.linear_to[k]])
+    if m.six_by_six_axes[k] == BODY:
+        return al.mat3(d.A, m.marker_body[m.six_by_six_to[k]])
 
-    if m.linear_axes[k] == HEADING:
+    if m.six_by_six_axes[k] == HEADING:
         moved, turned, columns = six_by_six.displacement(m, d, k)
-        return al.mat_mat(markers.axes(m, d, m.linear_from[k]), six_by_six.turned_axes(m, d, k, turned[2]))
+        return al.mat_mat(markers.axes(m, d, m.six_by_six_from[k]), six_by_six.turned_axes(m, d, k, turned[2]))
 
-    return al.mat3(d.A, m.marker_body[m.linear_from[k]])
+    return al.mat3(d.A, m.marker_body[m.six_by_six_from[k]])
 
 
 @inlined
@@ -52,13 +52,13 @@ def blocks(m, d, k):
     M = al.sym3(d.added_M, k)
 
     # the axes of a ground that stands still are the inertial ones
-    if m.linear_axes[k] != FIRST or is_in_moving_water(m, k):
+    if m.six_by_six_axes[k] != FIRST or is_in_moving_water(m, k):
         A = axes(m, d, k)
         I = al.sym_rotate(A, I)
         H = al.mat_mat(al.mat_mat(A, H), al.transpose(A))
         M = al.sym_rotate(A, M)
 
-    p = al.skew(markers.arm(m, d, m.linear_to[k]))
+    p = al.skew(markers.arm(m, d, m.six_by_six_to[k]))
     shifted = al.mat_add(H, al.mat_mat(p, al.mat_of_sym(M)))
     turned = al.mat_sub(al.mat_mat(p, al.transpose(H)), al.mat_mat(shifted, p))
     return al.sym_add(I, al.sym_of_mat(turned)), shifted, M
@@ -73,8 +73,8 @@ def wrench(I, H, M, w, v):
 @inlined
 def carried(m, d, k):
     """(angular velocity, velocity) of the ground at the origin of force k's body."""
-    g = m.marker_body[m.linear_from[k]]
-    return al.vec3(d.w, g), markers.point_velocity(m, d, g, al.vec3(d.r, m.marker_body[m.linear_to[k]]))
+    g = m.marker_body[m.six_by_six_from[k]]
+    return al.vec3(d.w, g), markers.point_velocity(m, d, g, al.vec3(d.r, m.marker_body[m.six_by_six_to[k]]))
 
 
 @inlined
@@ -83,9 +83,9 @@ def swept(m, d, k, w, v):
 
     w, v : its velocities seen from there. The ground's own accelerations are given: its biases.
     """
-    g = m.marker_body[m.linear_from[k]]
+    g = m.marker_body[m.six_by_six_from[k]]
     w_g = al.vec3(d.w, g)
-    arm = al.sub(al.vec3(d.r, m.marker_body[m.linear_to[k]]), al.vec3(d.r, g))
+    arm = al.sub(al.vec3(d.r, m.marker_body[m.six_by_six_to[k]]), al.vec3(d.r, g))
     c = al.add(al.cross(al.vec3(d.bias_w, g), arm), al.cross(w_g, al.add(al.cross(w_g, arm), al.scale(2.0, v))))
     return al.neg(al.add(al.vec3(d.bias_w, g), al.cross(w_g, w))), al.neg(al.add(al.vec3(d.bias_r, g), c))
 
@@ -93,10 +93,10 @@ def swept(m, d, k, w, v):
 @inlined
 def still_bias(m, d, k, I, H, M, w, v):
     """`bias` in water that stands still. w, v : velocities of the body."""
-    p = markers.arm(m, d, m.linear_to[k])
+    p = markers.arm(m, d, m.six_by_six_to[k])
     L, momentum = wrench(I, H, M, w, v)
 
-    if m.linear_axes[k] == BODY:
+    if m.six_by_six_axes[k] == BODY:
         # the momenta's body-fixed part sees rdd - w x rd
         moment, force = wrench(I, H, M, al.ZERO3, al.cross(w, v))
         turned = al.add(al.cross(w, L), al.cross(v, momentum))
@@ -105,7 +105,7 @@ def still_bias(m, d, k, I, H, M, w, v):
     # P is a material point
     moment, force = wrench(I, H, M, al.ZERO3, al.cross(w, al.cross(w, p)))
 
-    if m.linear_axes[k] == HEADING:
+    if m.six_by_six_axes[k] == HEADING:
         z, yaw = heading(m, d, k)
         v_P = al.add(v, al.cross(w, p))
         L_P = al.sub(L, al.cross(p, momentum))
@@ -124,7 +124,7 @@ def still_bias(m, d, k, I, H, M, w, v):
 @inlined
 def heading(m, d, k):
     """(z axis of force k's first marker, gradient of the yaw psi: psi' = gradient . w), inertial axes."""
-    A = markers.axes(m, d, m.linear_from[k])
+    A = markers.axes(m, d, m.six_by_six_from[k])
     moved, turned, columns = six_by_six.displacement(m, d, k)
     return (A[0][2], A[1][2], A[2][2]), al.mat_vec(A, six_by_six.moment_of_swing_twist(columns, (0.0, 0.0, 1.0)))
 
@@ -132,7 +132,7 @@ def heading(m, d, k):
 @inlined
 def bias(m, d, k, I, H, M):
     """(moment, force) about its body's origin that force k's added mass, of blocks I, H, M, needs at zero alpha and rdd."""
-    i = m.marker_body[m.linear_to[k]]
+    i = m.marker_body[m.six_by_six_to[k]]
     w = al.vec3(d.w, i)
     v = al.vec3(d.rd, i)
 
@@ -151,10 +151,10 @@ def bias(m, d, k, I, H, M):
 @apart(void(MODEL, DATA))
 def add(m, d):
     """Onto I, H, M and bias wrenches of the bodies."""
-    for k in range(m.n_linear):
-        i = m.marker_body[m.linear_to[k]]
+    for k in range(m.n_six_by_six):
+        i = m.marker_body[m.six_by_six_to[k]]
 
-        if m.linear_adds[k] == 0:
+        if m.six_by_six_adds[k] == 0:
             continue
 
         I, H, M = blocks(m, d, k)
@@ -172,14 +172,14 @@ def add_reactions(m, d):
 
     Needs accelerations; once after `inertias`.
     """
-    for k in range(m.n_linear):
-        if m.linear_adds[k] == 1:
-            i = m.marker_body[m.linear_to[k]]
+    for k in range(m.n_six_by_six):
+        if m.six_by_six_adds[k] == 1:
+            i = m.marker_body[m.six_by_six_to[k]]
             I, H, M = blocks(m, d, k)
             moment, force = wrench(I, H, M, al.vec3(d.alpha, i), al.vec3(d.rdd, i))
             bias_moment, bias_force = bias(m, d, k, I, H, M)
             moment = al.add(moment, bias_moment)
-            markers.add_wrench(m, d, m.marker_body[m.linear_from[k]], al.vec3(d.r, i), moment, al.add(force, bias_force))
+            markers.add_wrench(m, d, m.marker_body[m.six_by_six_from[k]], al.vec3(d.r, i), moment, al.add(force, bias_force))
 
 
 @inlined

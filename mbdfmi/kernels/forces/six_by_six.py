@@ -1,4 +1,4 @@
-"""Forces between two markers by 6x6 matrices: linear, bushing; rows linear_* (docs/theory.md 16.7)."""
+"""Forces between two markers by 6x6 matrices: linear, bushing; arrays six_by_six_* (docs/theory.md 16.7)."""
 
 import math
 
@@ -88,8 +88,8 @@ def six_times(p, k, a, b):
 @inlined
 def displacement(m, d, k):
     """Displacement of linear force k: (d m, (rx, ry, rz) rad, G) in the first marker's axes."""
-    a = m.linear_from[k]
-    b = m.linear_to[k]
+    a = m.six_by_six_from[k]
+    b = m.six_by_six_to[k]
     turned, columns = swing_twist(markers.relative_axes(m, d, a, b))
     return markers.relative_position(m, d, a, b), turned, columns
 
@@ -97,8 +97,8 @@ def displacement(m, d, k):
 @inlined
 def turned_axes(m, d, k, yaw):
     """Rotation to the first marker's axes of those that linear force k has its damping and added mass in. yaw : rz (rad)."""
-    if m.linear_axes[k] == BODY:
-        return markers.relative_axes(m, d, m.linear_from[k], m.linear_to[k])
+    if m.six_by_six_axes[k] == BODY:
+        return markers.relative_axes(m, d, m.six_by_six_from[k], m.six_by_six_to[k])
 
     c = math.cos(yaw)
     s = math.sin(yaw)
@@ -108,16 +108,16 @@ def turned_axes(m, d, k, yaw):
 @inlined
 def drag(m, d, k, yaw):
     """What the damping of linear force k takes off its wrench: (force N, moment N m), in the first marker's axes. yaw : rz (rad)."""
-    a = m.linear_from[k]
-    b = m.linear_to[k]
+    a = m.six_by_six_from[k]
+    b = m.six_by_six_to[k]
     v = markers.relative_velocity(m, d, a, b)
     w = markers.relative_angular_velocity(m, d, a, b)
 
-    if m.linear_axes[k] == FIRST:
-        return six_times(m.linear_damping, k, v, w)
+    if m.six_by_six_axes[k] == FIRST:
+        return six_times(m.six_by_six_damping, k, v, w)
 
     A = turned_axes(m, d, k, yaw)
-    force, moment = six_times(m.linear_damping, k, al.matT_vec(A, v), al.matT_vec(A, w))
+    force, moment = six_times(m.six_by_six_damping, k, al.matT_vec(A, v), al.matT_vec(A, w))
     return al.mat_vec(A, force), al.mat_vec(A, moment)
 
 
@@ -129,9 +129,9 @@ def wrench(m, d, k):
     energy at any angle; damping acts on the relative velocities. Added mass is no part (docs/theory.md 16.7).
     """
     moved, turned, columns = displacement(m, d, k)
-    force, Q = six_times(m.linear_stiffness, k, moved, turned)
-    force = al.sub(al.vec3(m.linear_preload, 2 * k), force)
-    Q = al.sub(al.vec3(m.linear_preload, 2 * k + 1), Q)
+    force, Q = six_times(m.six_by_six_stiffness, k, moved, turned)
+    force = al.sub(al.vec3(m.six_by_six_preload, 2 * k), force)
+    Q = al.sub(al.vec3(m.six_by_six_preload, 2 * k + 1), Q)
     resisting, resisting_moment = drag(m, d, k, turned[2])
     return al.sub(moment_of_swing_twist(columns, Q), resisting_moment), al.sub(force, resisting)
 
@@ -139,17 +139,17 @@ def wrench(m, d, k):
 @inlined
 def add(m, d):
     """Their wrenches onto the bodies."""
-    for k in range(m.n_linear):
-        b = m.linear_to[k]
+    for k in range(m.n_six_by_six):
+        b = m.six_by_six_to[k]
         r = markers.position(m, d, b)
-        A = markers.axes(m, d, m.linear_from[k])
+        A = markers.axes(m, d, m.six_by_six_from[k])
         moment, force = wrench(m, d, k)
         moment = al.mat_vec(A, moment)
         force = al.mat_vec(A, force)
         markers.add_wrench(m, d, m.marker_body[b], r, moment, force)
 
         # the reaction acts at the material point that is there now
-        markers.add_wrench(m, d, m.marker_body[m.linear_from[k]], r, al.neg(moment), al.neg(force))
+        markers.add_wrench(m, d, m.marker_body[m.six_by_six_from[k]], r, al.neg(moment), al.neg(force))
 
 
 @inlined
@@ -157,12 +157,12 @@ def energy(m, d):
     """J, stored; a preload's is zero at zero displacement."""
     total = 0.0
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         moved, turned, columns = displacement(m, d, k)
-        force, Q = six_times(m.linear_stiffness, k, moved, turned)
+        force, Q = six_times(m.six_by_six_stiffness, k, moved, turned)
         total += 0.5 * (al.dot(moved, force) + al.dot(turned, Q))
-        total -= al.dot(al.vec3(m.linear_preload, 2 * k), moved)
-        total -= al.dot(al.vec3(m.linear_preload, 2 * k + 1), turned)
+        total -= al.dot(al.vec3(m.six_by_six_preload, 2 * k), moved)
+        total -= al.dot(al.vec3(m.six_by_six_preload, 2 * k + 1), turned)
 
     return total
 
@@ -171,7 +171,7 @@ def energy(m, d):
 def power_of(m, d, k):
     """W, of force k on the bodies, without its added mass, whose energy is part of the bodies'."""
     moment, force = wrench(m, d, k)
-    return markers.power_between(m, d, m.linear_from[k], m.linear_to[k], moment, force)
+    return markers.power_between(m, d, m.six_by_six_from[k], m.six_by_six_to[k], moment, force)
 
 
 @inlined
@@ -179,7 +179,7 @@ def power(m, d):
     """W, on the bodies."""
     total = 0.0
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         total += power_of(m, d, k)
 
     return total
@@ -188,15 +188,15 @@ def power(m, d):
 @inlined
 def dissipated_by(m, d, k):
     """What linear force k takes by its damping, and by what is not symmetric in its stiffness K: x'.(K - K^T) x / 2."""
-    a = m.linear_from[k]
-    b = m.linear_to[k]
+    a = m.six_by_six_from[k]
+    b = m.six_by_six_to[k]
     v = markers.relative_velocity(m, d, a, b)
     w = markers.relative_angular_velocity(m, d, a, b)
     moved, turned, columns = displacement(m, d, k)
     resisting, resisting_moment = drag(m, d, k, turned[2])
     turning = swing_twist_rates(columns, w)
-    force, Q = six_times(m.linear_stiffness, k, moved, turned)
-    force_rate, Q_rate = six_times(m.linear_stiffness, k, v, turning)
+    force, Q = six_times(m.six_by_six_stiffness, k, moved, turned)
+    force_rate, Q_rate = six_times(m.six_by_six_stiffness, k, v, turning)
     lost = al.dot(v, force) + al.dot(turning, Q) - al.dot(moved, force_rate) - al.dot(turned, Q_rate)
     return al.dot(resisting, v) + al.dot(resisting_moment, w) + 0.5 * lost
 
@@ -206,7 +206,7 @@ def dissipated(m, d):
     """W, lost in damping."""
     total = 0.0
 
-    for k in range(m.n_linear):
+    for k in range(m.n_six_by_six):
         total += dissipated_by(m, d, k)
 
     return total

@@ -40,9 +40,9 @@ def weigh(m, d):
     for t in range(m.n_turn):
         d.x_scale[z + coordinates.turn(m, t)] = rotation
 
-    for k in range(m.n_contact):
+    for k in range(m.n_end_frame):
         if touching.is_sphere(m, k):
-            d.x_scale[z + m.contact_z[k]] = touching.LONGITUDE_ALLOWED
+            d.x_scale[z + m.end_frame_z[k]] = touching.LONGITUDE_ALLOWED
 
     for i in range(1, m.n_body):
         joints.weigh(m, d, i, rotation)
