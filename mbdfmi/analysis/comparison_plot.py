@@ -26,6 +26,24 @@ def figure_of(comparison) -> Figure:
     ax.set_xscale("log")
     ax.set_yscale("log")
     floor = max(comparison.doubt, 1e-15)
+    _draw_runs(ax, comparison, floor)
+    _draw_reference(ax, floor)
+    ax.set_xlabel("CPU time [ms]")
+    ax.set_ylabel("largest error of the outputs, by their sizes")
+    what = f"{comparison.until:g} s, communication step {comparison.step:g} s"
+    ax.set_title(f"{comparison.title}\n{what}", loc="left", fontsize="medium")
+    ax.grid(which="major", alpha=0.4)
+    figure.legend(
+        loc="outside right upper",
+        title="solid: adaptive\ndashed: fixed step",
+        fontsize="small",
+        title_fontsize="small",
+    )
+    return figure
+
+
+def _draw_runs(ax, comparison, floor):
+    """Lines of the steppers, rings around what no other beats, a star for the scene's own solver."""
     lines = {}
 
     for run in comparison.done:
@@ -48,6 +66,9 @@ def figure_of(comparison) -> Figure:
         place = (1e3 * comparison.own.cpu, max(comparison.own.error, floor))
         ax.plot(*place, "*", markersize=13, color="gold", markeredgecolor="black", label="the scene's own")
 
+
+def _draw_reference(ax, floor):
+    """What the reference run does not tell apart."""
     ax.set_ylim(bottom=floor / 5.0)
     ax.axhspan(floor / 5.0, floor, color="0.9", zorder=0)
     ax.text(
@@ -59,15 +80,3 @@ def figure_of(comparison) -> Figure:
         va="top",
         **SMALL,
     )
-    ax.set_xlabel("CPU time [ms]")
-    ax.set_ylabel("largest error of the outputs, by their sizes")
-    what = f"{comparison.until:g} s, communication step {comparison.step:g} s"
-    ax.set_title(f"{comparison.title}\n{what}", loc="left", fontsize="medium")
-    ax.grid(which="major", alpha=0.4)
-    figure.legend(
-        loc="outside right upper",
-        title="solid: adaptive\ndashed: fixed step",
-        fontsize="small",
-        title_fontsize="small",
-    )
-    return figure

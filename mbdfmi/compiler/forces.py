@@ -11,9 +11,6 @@ from .elastic import elastic_table
 from .start import start_pose
 from .variables import dotted
 
-# no stiffness, damping, added mass; a row of it: no preload
-NONE = np.zeros((6, 6))
-
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -110,30 +107,17 @@ def _add_strut(builder, name, force, ends):
         )
 
 
-def _add_linear(builder, name, force, ends):
-    """A linear force: a 6x6 force, also with added mass and a preload."""
-    spec = force.linear
-    row = _add_six_by_six(
-        builder, name, spec, ends, spec.added_mass_matrix(), spec.preload_vector(), AXES[spec.axes]
-    )
-    _add_six_by_six_outputs(builder, name, force, row, ends)
-
-
-def _add_bushing(builder, name, force, ends):
-    """A bushing: a 6x6 force without these."""
-    row = _add_six_by_six(builder, name, force.bushing, ends)
-    _add_six_by_six_outputs(builder, name, force, row, ends)
-
-
-def _add_six_by_six(builder, name, spec, ends, added=NONE, preload=NONE[0], axes=FIRST):
-    """A 6x6 force; returns its row."""
+def _add_six_by_six(builder, name, force, ends):
+    """A linear force or a bushing: a wrench by 6x6 matrices."""
+    spec = getattr(force, force.kind)
+    added, preload = spec.added_mass_matrix(), spec.preload_vector()
     stiffness = spec.stiffness_matrix()
     damping = spec.damping_matrix()
     row = builder.tables["n_six_by_six"].add(
         six_by_six_from=ends[0],
         six_by_six_to=ends[1],
         six_by_six_adds=bool(np.any(added)) and builder.marker_node(ends[1]) > 0,
-        six_by_six_axes=axes,
+        six_by_six_axes=AXES[spec.axes],
         six_by_six_stiffness=stiffness,
         six_by_six_damping=damping,
         six_by_six_added=added,
@@ -157,7 +141,7 @@ def _add_six_by_six(builder, name, spec, ends, added=NONE, preload=NONE[0], axes
             dotted(name, "preload"), Place("six_by_six_preload", row), preload, ["N"] * 3 + ["N.m"] * 3, about
         )
 
-    return row
+    _add_six_by_six_outputs(builder, name, force, row, ends)
 
 
 def _add_six_by_six_outputs(builder, name, force, row, ends):
@@ -206,4 +190,9 @@ def _add_load(builder, name, load, ends):
         )
 
 
-ELEMENTS = {"spring_damper": _add_strut, "linear": _add_linear, "bushing": _add_bushing, "load": _add_load}
+ELEMENTS = {
+    "spring_damper": _add_strut,
+    "linear": _add_six_by_six,
+    "bushing": _add_six_by_six,
+    "load": _add_load,
+}

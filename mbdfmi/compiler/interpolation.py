@@ -122,6 +122,46 @@ BAND = 9
 FREE_PIECES = 6
 
 
+class _Equations:
+    """Linear equations for slopes and second slopes at the points of a quintic spline, banded.
+
+    h, rise : (n - 1,) of the pieces. size : (n,) spacing at the points: unknowns are slopes times it and second slopes by its square.
+    """
+
+    def __init__(self, x, y):
+        n = len(x)
+        self.h, self.rise = np.diff(x), np.diff(y)
+        self.size = np.minimum(np.append(self.h, self.h[-1]), np.append(self.h[0], self.h))
+        self.matrix, self.right = np.zeros((2 * BAND + 1, 2 * n)), np.zeros(2 * n)
+
+    def hold(self, k, slope, bend):
+        """Slope and second slope at point k are given."""
+        self.matrix[BAND, 2 * k : 2 * k + 2] = 1.0
+        self.right[2 * k : 2 * k + 2] = slope * self.size[k], bend * self.size[k] ** 2
+
+    def add(self, row, factor, piece, law):
+        """Factor times a derivative of a piece, to an equation."""
+        self.right[row] -= factor * law[0] * self.rise[piece]
+        long = self.h[piece] / self.size[piece], self.h[piece] / self.size[piece + 1]
+        terms = law[1] * long[0], law[2] * long[0] ** 2, law[3] * long[1], law[4] * long[1] ** 2
+
+        for k, term in enumerate(terms):
+            column = 2 * piece + k
+            self.matrix[BAND + row - column, column] += factor * term
+
+    def add_jump(self, row, point, order, laws, factor=1.0):
+        """Factor times the jump of a derivative of some order at a point, times a spacing to that order, to an equation."""
+        before, after = self.h[point - 1], self.h[point]
+        least = np.minimum(before, after)
+        self.add(row, factor * (least / before) ** order, point - 1, laws[1])
+        self.add(row, -factor * (least / after) ** order, point, laws[0])
+
+    def solve(self):
+        """(slopes, second slopes) (n,)"""
+        found = solve_banded(BAND, self.matrix, self.right)
+        return found[::2] / self.size, found[1::2] / self.size**2
+
+
 def _spline(x, y, held, slope, bend):
     """(slopes, second slopes) at the points of the quintic spline that has those given where they are held.
 
@@ -132,51 +172,44 @@ def _spline(x, y, held, slope, bend):
     if n <= FREE_PIECES and not held.any():
         return KroghInterpolator(x, y).derivatives(x, 3)[1:] if n > 2 else (np.full(2, np.diff(y) / np.diff(x)), np.zeros(2))
 
-    h, rise = np.diff(x), np.diff(y)
-    size = np.minimum(np.append(h, h[-1]), np.append(h[0], h))
-    matrix, right = np.zeros((2 * BAND + 1, 2 * n)), np.zeros(2 * n)
-
-    def add(row, factor, piece, law):
-        """Factor times a derivative of a piece, to an equation; unknowns are slopes times `size`, second slopes by its square."""
-        right[row] -= factor * law[0] * rise[piece]
-        long = h[piece] / size[piece], h[piece] / size[piece + 1]
-        terms = law[1] * long[0], law[2] * long[0] ** 2, law[3] * long[1], law[4] * long[1] ** 2
-
-        for k, term in enumerate(terms):
-            column = 2 * piece + k
-            matrix[BAND + row - column, column] += factor * term
-
-    def jump(row, point, order, laws, factor=1.0):
-        """Factor times the jump of a derivative of some order at a point, times a spacing to that order, to an equation."""
-        least = np.minimum(h[point - 1], h[point])
-        add(row, factor * (least / h[point - 1]) ** order, point - 1, laws[1])
-        add(row, -factor * (least / h[point]) ** order, point, laws[0])
-
+    equations = _Equations(x, y)
     free = np.flatnonzero(~held[1:-1]) + 1
-    jump(2 * free, free, 3, THIRD)
-    jump(2 * free + 1, free, 4, FOURTH)
+    equations.add_jump(2 * free, free, 3, THIRD)
+    equations.add_jump(2 * free + 1, free, 4, FOURTH)
 
     for k in np.flatnonzero(held):
-        matrix[BAND, 2 * k : 2 * k + 2] = 1.0
-        right[2 * k : 2 * k + 2] = slope[k] * size[k], bend[k] * size[k] ** 2
+        equations.hold(k, slope[k], bend[k])
 
-    # towards a free end the fifth derivative jumps on as it does further in (by as much at each point where they are equally
-    # spaced); the third and fourth are 0 there when a point nearby is held
-    for row, end, way, from_end in ((0, 0, 1, held), (2 * n - 2, n - 1, -1, held[::-1])):
+    for at_end, from_end in ((False, held), (True, held[::-1])):
         pieces = np.argmax(from_end) if held.any() else n - 1
 
         if pieces >= FREE_PIECES:
-            for k in (0, 1):
-                outer, inner = end + way * (k + 1), end + way * (k + 2)
-                spacing = [(x[point + 1] - x[point - 1]) * min(h[point - 1 : point + 1]) ** 5 for point in (outer, inner)]
-                jump(row + k, outer, 5, (FIFTH, FIFTH), min(spacing) / spacing[0])
-                jump(row + k, inner, 5, (FIFTH, FIFTH), -min(spacing) / spacing[1])
+            _let_go_on(equations, x, at_end)
         elif pieces > 0:
-            add(row, 1.0, min(end, n - 2), THIRD[way < 0])
-            add(row + 1, 1.0, min(end, n - 2), FOURTH[way < 0])
+            _let_straighten(equations, n, at_end)
 
-    found = solve_banded(BAND, matrix, right)
-    return np.where(held, (slope, bend), (found[::2] / size, found[1::2] / size**2))
+    return np.where(held, (slope, bend), equations.solve())
+
+
+def _let_go_on(equations, x, at_end):
+    """Towards a free end the fifth derivative jumps on as it does further in (by as much at each point where they are equally
+    spaced).
+    """
+    n = len(x)
+    row, end, way = (2 * n - 2, n - 1, -1) if at_end else (0, 0, 1)
+
+    for k in (0, 1):
+        points = outer, inner = end + way * (k + 1), end + way * (k + 2)
+        spacing = [(x[point + 1] - x[point - 1]) * min(equations.h[point - 1 : point + 1]) ** 5 for point in points]
+        equations.add_jump(row + k, outer, 5, (FIFTH, FIFTH), min(spacing) / spacing[0])
+        equations.add_jump(row + k, inner, 5, (FIFTH, FIFTH), -min(spacing) / spacing[1])
+
+
+def _let_straighten(equations, n, at_end):
+    """The third and fourth derivatives are 0 at an end when a point nearby is held."""
+    row, piece = (2 * n - 2, n - 2) if at_end else (0, 0)
+    equations.add(row, 1.0, piece, THIRD[at_end])
+    equations.add(row + 1, 1.0, piece, FOURTH[at_end])
 
 
 def _stands_still(x, y):

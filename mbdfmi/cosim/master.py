@@ -57,27 +57,10 @@ def couple(
             slave, (variable,) = _find(slaves, name, "parameter", "input")
             slave.set([variable.valueReference], [value])
 
-        # outputs may depend on inputs at once: as often as there are FMUs reaches the last one
-        for slave in order:
-            slave.call("enterInitializationMode")
-        for _ in order:
-            for slave in order:
-                slave.feed()
-                slave.fetch()
-        for slave in order:
-            slave.call("exitInitializationMode")
-        for slave in order:
-            slave.fetch()
-
+        _initialise(order)
         rows = [np.concatenate([slave.values for slave in order])]
         for start, end in itertools.pairwise(times):
-            for slave in order:
-                slave.past = slave.values
-            for i, slave in enumerate(order):
-                slave.feed(known=order[:i], H=end - start)
-                slave.call("doStep", start, end - start)
-                slave.fetch()
-
+            _step(order, start, end - start)
             rows.append(np.concatenate([slave.values for slave in order]))
             if progress:
                 progress(end)
@@ -86,6 +69,32 @@ def couple(
     units = [variable.unit for slave in order for variable in slave.outputs]
     columns = {"time": times} | dict(zip(names, np.array(rows).T))
     return Results(columns, {"time": "s"} | dict(zip(names, units)), " + ".join(fmus))
+
+
+def _initialise(order):
+    """From instances to outputs at the start."""
+    for slave in order:
+        slave.call("enterInitializationMode")
+
+    # outputs may depend on inputs at once: as often as there are FMUs reaches the last one
+    for _ in order:
+        for slave in order:
+            slave.feed()
+            slave.fetch()
+    for slave in order:
+        slave.call("exitInitializationMode")
+    for slave in order:
+        slave.fetch()
+
+
+def _step(order, start, H):
+    """All FMUs from a time on by H (s), each knowing the outputs of those before it."""
+    for slave in order:
+        slave.past = slave.values
+    for i, slave in enumerate(order):
+        slave.feed(known=order[:i], H=H)
+        slave.call("doStep", start, H)
+        slave.fetch()
 
 
 class _Slave:

@@ -138,6 +138,15 @@ class Results(Mapping):
         for an ending that is no picture's.
         """
         self.check_plot(path)
+        figure = self._figure()
+
+        with replacing(path) as temporary:
+            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
+
+        return Path(path)
+
+    def _figure(self):
+        """The picture, one panel for each variable."""
         from matplotlib.figure import Figure
 
         panels = defaultdict(list)
@@ -153,16 +162,7 @@ class Results(Mapping):
         axes = figure.subplots(n_row, n_column, sharex=True, squeeze=False)
 
         for panel, (name, members) in zip(axes.T.flat, panels.items()):
-            for member in members:
-                panel.plot(self["time"], self[member], linewidth=1.2, label=member.removeprefix(name))
-
-            unit = self.units.get(members[0])
-            panel.set_title(f"{name} [{unit}]" if unit else name, loc="left", fontsize="medium")
-            panel.grid(alpha=0.3)
-            panel.ticklabel_format(axis="y", useOffset=False)
-
-            if len(members) > 1:
-                panel.legend(loc="upper right", ncols=len(members), fontsize="small")
+            self._draw(panel, name, members)
 
         for panel in list(axes.T.flat)[len(panels) :]:
             panel.set_axis_off()
@@ -173,11 +173,20 @@ class Results(Mapping):
             axes[last, column].tick_params(labelbottom=True)
 
         figure.suptitle(self.title)
+        return figure
 
-        with replacing(path) as temporary:
-            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
+    def _draw(self, panel, name, members):
+        """One variable, components of an array together."""
+        for member in members:
+            panel.plot(self["time"], self[member], linewidth=1.2, label=member.removeprefix(name))
 
-        return Path(path)
+        unit = self.units.get(members[0])
+        panel.set_title(f"{name} [{unit}]" if unit else name, loc="left", fontsize="medium")
+        panel.grid(alpha=0.3)
+        panel.ticklabel_format(axis="y", useOffset=False)
+
+        if len(members) > 1:
+            panel.legend(loc="upper right", ncols=len(members), fontsize="small")
 
 
 def _cell(path, line, row, k, name):

@@ -63,7 +63,27 @@ def _added_mass(rows):
     return rows
 
 
-class LinearOptions(Part):
+class SixBySix(Part):
+    """A wrench on the second marker by (6, 6) matrices, in the first one's axes, order (x, y, z, rx, ry, rz)."""
+
+    def stiffness_matrix(self):
+        """(6, 6), zeros when left out."""
+        return _matrix(self.stiffness)
+
+    def damping_matrix(self):
+        """(6, 6), zeros when left out."""
+        return _matrix(self.damping)
+
+    def added_mass_matrix(self):
+        """(6, 6), symmetric, zeros without."""
+        return np.zeros((6, 6))
+
+    def preload_vector(self):
+        """(6,), zeros without."""
+        return np.zeros(6)
+
+
+class LinearOptions(SixBySix):
     """A linear wrench on the second marker, in the first one's axes, order (x, y, z, rx, ry, rz).
 
     stiffness : (6, 6) in N/m, N, N m/rad; on the displacement from the first marker.
@@ -92,14 +112,6 @@ class LinearOptions(Part):
             raise ValueError('needs one of "stiffness", "damping", "added_mass" or "preload"')
         return self
 
-    def stiffness_matrix(self):
-        """(6, 6), zeros when left out."""
-        return _matrix(self.stiffness)
-
-    def damping_matrix(self):
-        """(6, 6), zeros when left out."""
-        return _matrix(self.damping)
-
     def added_mass_matrix(self):
         """(6, 6), symmetric, zeros when left out."""
         matrix = _matrix(self.added_mass)
@@ -111,18 +123,22 @@ class LinearOptions(Part):
 
 
 def _matrix(rows):
-    return np.zeros((6, 6)) if rows is None else np.array(rows)
+    """(6, 6) of its rows, of its diagonal, or of None, which is 0."""
+    matrix = np.zeros((6, 6)) if rows is None else np.array(rows)
+    return np.diag(matrix) if matrix.ndim == 1 else matrix
 
 
 Block = Array((6,), (6, 6), what="6 numbers, the diagonal [x, y, z, rx, ry, rz], or a 6x6 matrix")
 
 
-class BushingOptions(Part):
+class BushingOptions(SixBySix):
     """An elastic wrench on the second marker, in the first one's axes, (x, y, z, rx, ry, rz).
 
     stiffness : (6, 6), or its diagonal (6,), in N/m, N, N m/rad.
     damping : (6, 6), or its diagonal (6,), in N s/m, N s, N m s/rad.
     """
+
+    axes: ClassVar[str] = "first"
 
     stiffness: Block | None = None
     damping: Block | None = None
@@ -132,19 +148,6 @@ class BushingOptions(Part):
         if not self.model_fields_set:
             raise ValueError('needs "stiffness" or "damping"')
         return self
-
-    def stiffness_matrix(self):
-        """(6, 6), zeros when left out."""
-        return _block(self.stiffness)
-
-    def damping_matrix(self):
-        """(6, 6), zeros when left out."""
-        return _block(self.damping)
-
-
-def _block(values):
-    matrix = _matrix(values)
-    return np.diag(matrix) if matrix.ndim == 1 else matrix
 
 
 class LoadOverTime(Table):

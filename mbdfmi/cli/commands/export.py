@@ -44,26 +44,12 @@ some minutes; later ones take a second.""",
 def run(options):
     """Writes the FMUs, and says where; one broken scene does not keep the others from being built."""
     from ...compiler.model import c_identifier
-    from ...export.link import PLATFORMS
 
-    platforms = list(PLATFORMS) if "all" in (options.platform or []) else options.platform
-
-    for name in platforms or []:
-        if name not in PLATFORMS:
-            raise ValueError(f"--platform {name}: unknown; there are {', '.join(PLATFORMS)} and all")
-
+    platforms = _platforms(options.platform)
     files = [file for given in options.scenes for file in matching(given)]
     target = Path(options.output or "")
-    written_to = to_standard_output(target) or (target.exists() and not target.is_file())
-    one_file = (target.suffix.lower() == ".fmu" or written_to) and not target.is_dir()
+    one_file = _is_one_file(target, files)
     say = err if to_standard_output(target) else out
-
-    if not (one_file or target.exists()):
-        check_ending(target, "FMUs are to be written", ".fmu")
-
-    if one_file and len(files) > 1:
-        raise ValueError(f"--output {target}: one file cannot hold {len(files)} scenes; name a folder")
-
     written, failures = {}, []
 
     for file in files:
@@ -90,6 +76,34 @@ def run(options):
 
     if failures:
         raise ValueError("\n".join(failures))
+
+
+def _platforms(given):
+    """Names of platforms as `export` takes them. Raises ValueError for one that is unknown."""
+    from ...export.link import PLATFORMS
+
+    if "all" in (given or []):
+        return list(PLATFORMS)
+
+    for name in given or []:
+        if name not in PLATFORMS:
+            raise ValueError(f"--platform {name}: unknown; there are {', '.join(PLATFORMS)} and all")
+
+    return given
+
+
+def _is_one_file(target, files):
+    """Whether --output names the FMU itself and not a folder. Raises ValueError where it fits neither."""
+    written_to = to_standard_output(target) or (target.exists() and not target.is_file())
+    one_file = (target.suffix.lower() == ".fmu" or written_to) and not target.is_dir()
+
+    if not (one_file or target.exists()):
+        check_ending(target, "FMUs are to be written", ".fmu")
+
+    if one_file and len(files) > 1:
+        raise ValueError(f"--output {target}: one file cannot hold {len(files)} scenes; name a folder")
+
+    return one_file
 
 
 def _about(file, tell):
