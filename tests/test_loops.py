@@ -511,6 +511,7 @@ def test_a_constraint_within_a_rigid_part_says_nothing(formulation):
         {"acceleration": [1, 2, 3], "position": [4, 5, 6]},
         {"rotation": {"speed": 0.5, "angle": 0.7, "point": [1, 2, 3]}},
         {"orbit": {"radius": 5.0, "rate": 0.1, "phase_deg": 30, "normal": "y"}},
+        {"elliptic_orbit": {"semi_major_axis": 5.0, "eccentricity": 0.6, "mu": 2.0, "node_deg": 40, "mean_anomaly_deg": -50}},
         {"table": {"time": [-1, 0, 1, 2], "position": [[0, 0, 0], [1, 0, 2], [1, 1, 1], [0, 0, 0]]}},
         {"input": True},
     ],

@@ -31,6 +31,7 @@ MOTIONS = (
     {"rotation": {"axis": [0.2, 1, 0.3], "speed": 0.7, "point": [0.1, 0.2, 0.3]}},
     {"acceleration": [0.3, -0.2, 0.5], "velocity": [0.1, 0.2, 0.3]},
     {"orbit": {"radius": 1.5, "rate": 0.4}},
+    {"elliptic_orbit": {"semi_major_axis": 1.5, "eccentricity": 0.4, "period": 12.0, "inclination_deg": 30}},
 )
 
 

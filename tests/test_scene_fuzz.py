@@ -865,8 +865,17 @@ output = ["position", "velocity"]
         '[ground] motion.rotation: needs "speed", "speed_deg" or "speed_rpm"',
     ]),
     (DRIVES, 'orbit = { radius', 'orbits = { radius', [
-        '[ground] motion: a motion needs one of "acceleration", "rotation", "orbit", "table" or '
-        '"input"; found "orbits". Did you mean "orbit"?',
+        '[ground] motion: a motion needs one of "acceleration", "rotation", "orbit", "elliptic_orbit", '
+        '"table" or "input"; found "orbits". Did you mean "orbit"?',
+    ]),
+    (DRIVES, ORBIT, 'elliptic_orbit = { semi_major_axis = 7e6, eccentricity = 0.1 }', [
+        '[ground] motion.elliptic_orbit: needs "mu" or "period"',
+    ]),
+    (DRIVES, ORBIT, 'elliptic_orbit = { semi_major_axis = 7e6, eccentricity = 1.0, period = 5400 }', [
+        '[ground] motion.elliptic_orbit.eccentricity: must be below 1, that of a closed orbit; found 1.0',
+    ]),
+    (DRIVES, ORBIT, 'elliptic_orbit = { semi_major_axis = 7e6, eccentricity = 0.1, mu = 4e14, period = 5400 }', [
+        '[ground] motion.elliptic_orbit: "mu" and "period" exclude each other; keep one of them',
     ]),
     (DRIVES, ORBIT, 'table = { time = [0, 1], position = [[0, 0, 0], [1, 0]] }', [
         '[ground] motion.table.position: needs vectors [x, y, z], found 2 rows of 2 to 3',

@@ -223,6 +223,12 @@ def _add_ground(builder, motion, node):
         value = [*orbit.axes().ravel(), orbit.radius, orbit.rate, orbit.phase_value(), float(orbit.pointing)]
         return _add(builder, Drive(drives.GROUND_ORBIT, node, value))
 
+    if motion.kind == "elliptic_orbit":
+        orbit = motion.elliptic_orbit
+        shape = [orbit.semi_major_axis, orbit.eccentricity, orbit.mean_motion(), orbit.mean_anomaly_value()]
+        value = [*orbit.axes().ravel(), *shape, float(orbit.pointing)]
+        return _add(builder, Drive(drives.GROUND_ELLIPSE, node, value))
+
     if motion.kind == "table":
         time, position, E = motion.table.points()
         table = builder.tables_over_time(motion.table.interpolation, time, np.hstack([position, E]))

@@ -1,9 +1,10 @@
 """Where things are at the start, as far as start values alone tell."""
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from ..vectors import dot
+from ..vectors import dot, norm
 from .frames import IDENTITY, compose, inverse
 from .interpolation import curve
 from .joint_kinds import kind_of
@@ -100,6 +101,9 @@ def _ground_pose(motion):
         A = dot(motion.orbit.axes(), Rotation.from_rotvec([0, 0, motion.orbit.phase_value()]).as_matrix())
         return motion.orbit.radius * A[:, 0], A if motion.orbit.pointing else np.eye(3)
 
+    if motion.kind == "elliptic_orbit":
+        return _pose_on_ellipse(motion.elliptic_orbit)
+
     if motion.kind == "table":
         time, position, E = motion.table.points()
         now = np.clip(0.0, time[0], time[-1])
@@ -109,3 +113,13 @@ def _ground_pose(motion):
         return r, Rotation.from_quat(E).as_matrix()
 
     return IDENTITY
+
+
+def _pose_on_ellipse(orbit):
+    """Pose at time 0 of a ground on an elliptic orbit."""
+    M, e = orbit.mean_anomaly_value(), orbit.eccentricity
+    E = brentq(lambda E: E - e * np.sin(E) - M, M - 1.0, M + 1.0, xtol=1e-15)
+    r = dot(orbit.axes(), np.array([np.cos(E) - e, np.sqrt(1 - e * e) * np.sin(E), 0.0]))
+    radial, normal = r / norm(r), orbit.axes()[:, 2]
+    A = np.column_stack([radial, np.cross(normal, radial), normal]) if orbit.pointing else np.eye(3)
+    return orbit.semi_major_axis * r, A

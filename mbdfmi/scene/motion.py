@@ -7,11 +7,12 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from scipy.spatial.transform import Rotation as SpatialRotation
 
 from ..vocabulary import GROUND_INPUTS
-from .errors import listed, quoted
+from .errors import listed, quoted, show
 from .fields import (
     AllOrSome,
     Axis,
     Boolean,
+    NotNegative,
     NotZero,
     Number,
     Part,
@@ -110,6 +111,67 @@ class Orbit(Part):
     kind: ClassVar[str] = "orbit"
 
     orbit: OrbitOptions
+
+
+def _below_1(value):
+    if value >= 1.0:
+        raise ValueError(f"must be below 1, that of a closed orbit; found {show(value)}")
+    return value
+
+
+class EllipticOrbitOptions(Part):
+    """An elliptic Kepler orbit about the inertial origin.
+
+    semi_major_axis : m.
+    eccentricity : from 0, a circle, to below 1.
+    mu or period : of what attracts, m3/s2; of a revolution, s.
+    inclination_deg, node_deg, periapsis_deg : of the plane to the inertial x-y plane; of the ascending node, from the x axis
+        about z; and of the periapsis, from the node in the plane.
+    mean_anomaly_deg or true_anomaly_deg : at time 0, from the periapsis.
+    pointing : whether the ground's x axis stays radial, its z axis normal to the plane and its y axis forward; else the
+        ground keeps the axes of the inertial frame.
+    """
+
+    exclusive = (("mu", "period"), ("mean_anomaly_deg", "true_anomaly_deg"))
+    needed = (("mu", "period"),)
+
+    semi_major_axis: Positive = Field(description="semi-major axis in m")
+    eccentricity: Annotated[NotNegative, AfterValidator(_below_1)] = Field(description="from 0 to below 1")
+    mu: Positive | None = None
+    period: Positive | None = None
+    inclination_deg: Number = 0.0
+    node_deg: Number = 0.0
+    periapsis_deg: Number = 0.0
+    mean_anomaly_deg: Number | None = None
+    true_anomaly_deg: Number | None = None
+    pointing: Boolean = True
+
+    def axes(self):
+        """(3, 3), by column: towards the periapsis, along the track there, and the normal."""
+        angles = [in_si(self, key) for key in ("node", "inclination", "periapsis")]
+        return SpatialRotation.from_euler("ZXZ", angles).as_matrix()
+
+    def mean_motion(self):
+        """rad/s."""
+        return 2 * np.pi / self.period if self.period else np.sqrt(self.mu / self.semi_major_axis**3)
+
+    def mean_anomaly_value(self):
+        """rad, at time 0."""
+        nu, e = in_si(self, "true_anomaly", None), self.eccentricity
+        if nu is None:
+            return in_si(self, "mean_anomaly")
+
+        # from the true to the eccentric anomaly, on the same turn
+        E = nu - 2 * np.arctan2(e * np.sin(nu), 1 + np.sqrt(1 - e * e) + e * np.cos(nu))
+        return E - e * np.sin(E)
+
+
+class EllipticOrbit(Part):
+    """elliptic_orbit = { semi_major_axis, eccentricity, mu, inclination_deg, node_deg, periapsis_deg, mean_anomaly_deg, pointing }"""
+
+    kind: ClassVar[str] = "elliptic_orbit"
+
+    elliptic_orbit: EllipticOrbitOptions
 
 
 def _unit_rows(rows):
@@ -215,4 +277,4 @@ class FromInputs(Part):
         return [what for what in GROUND_INPUTS if (what in self.input if self.input is not True else what != "zyx")]
 
 
-Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, Tabulated, FromInputs)
+Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, EllipticOrbit, Tabulated, FromInputs)

@@ -105,6 +105,17 @@ def grounds():
         "orbit that keeps its axes": {
             "orbit": {"radius": 3.0, "rate": 0.8, "normal": "x", "pointing": False}
         },
+        "elliptic orbit": {
+            "elliptic_orbit": {
+                "semi_major_axis": 3.0, "eccentricity": 0.4, "period": 9.0, "inclination_deg": 40, "node_deg": 20,
+                "periapsis_deg": -70, "true_anomaly_deg": 120,
+            }
+        },
+        "elliptic orbit that keeps its axes": {
+            "elliptic_orbit": {
+                "semi_major_axis": 3.0, "eccentricity": 0.7, "mu": 8.0, "mean_anomaly_deg": -20, "pointing": False,
+            }
+        },
         "cubic": {"table": {"time": WAVE, "position": place, "zyx_deg": angles, "interpolation": "cubic"}},
         "smooth": {"table": {"time": WAVE, "position": place, "zyx_deg": angles}},
     }

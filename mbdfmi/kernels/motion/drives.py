@@ -12,7 +12,7 @@ from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..math import tables
 from ..views import DATA, MODEL
-from . import courses, rotations
+from . import courses, ellipses, rotations
 
 # of one coordinate; drive_value:
 CONSTANT_SPEED = 0  # position at the start, speed
@@ -29,6 +29,8 @@ GROUND_ROTATION = 8  # axis (3), point (3), speed, angle at time 0
 GROUND_ORBIT = 9  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
 GROUND_TABLE = 10  # drive_at: 7 tables over time, position and E
 GROUND_INPUT = 11  # drive_command: channels of position and orientation
+GROUND_ELLIPSE = 12  # axes by rows (9): columns to the periapsis, along the track there, normal; semi-major axis, eccentricity,
+# mean motion, mean anomaly at time 0, 1: points
 
 
 @inlined
@@ -138,6 +140,36 @@ def rotation_of_table(m, k, t):
     return rotations.rotation_of_E((a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2))
 
 
+@inlined
+def turned(axes, angle):
+    """E of axes (columns) that turned by an angle (rad) about their third."""
+    return al.E_product(al.matrix_E(axes), (0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle)))
+
+
+@inlined
+def ellipse(m, k, t):
+    """(r, r', r'', E, w, w') of the ground on the Kepler ellipse of drive k at time t."""
+    at = 16 * k
+    axes = (al.vec_at(m.drive_value, at), al.vec_at(m.drive_value, at + 3), al.vec_at(m.drive_value, at + 6))
+    a = m.drive_value[at + 9]
+    e = m.drive_value[at + 10]
+    n = m.drive_value[at + 11]
+    anomaly = ellipses.eccentric_anomaly(m.drive_value[at + 12] + n * t, e)
+    x, y = ellipses.place(anomaly, e)
+    x1, y1 = ellipses.velocity(anomaly, e)
+    distance = math.sqrt(x * x + y * y)
+    r = al.mat_vec(axes, (a * x, a * y, 0.0))
+    rd = al.mat_vec(axes, (n * a * x1, n * a * y1, 0.0))
+    rdd = al.scale(-n * n / (distance * distance * distance), r)
+
+    if m.drive_value[at + 13] == 0.0:
+        return r, rd, rdd, (0.0, 0.0, 0.0, 1.0), al.ZERO3, al.ZERO3
+
+    angle, rate, second = ellipses.true_anomaly(anomaly, e)
+    w = al.mat_vec(axes, (0.0, 0.0, n * rate))
+    return r, rd, rdd, turned(axes, angle), w, al.mat_vec(axes, (0.0, 0.0, n * n * second))
+
+
 @kernel
 def ground_motion(m, d, k):
     """(r, r', r'', E, w, w') of the ground in the inertial frame by drive k now."""
@@ -178,8 +210,10 @@ def ground_motion(m, d, k):
         if m.drive_value[at + 12] == 0.0:
             return r, rd, rdd, unit, al.ZERO3, al.ZERO3
 
-        E = al.E_product(al.matrix_E(axes), (0.0, 0.0, math.sin(0.5 * angle), math.cos(0.5 * angle)))
-        return r, rd, rdd, E, al.mat_vec(axes, (0.0, 0.0, rate)), al.ZERO3
+        return r, rd, rdd, turned(axes, angle), al.mat_vec(axes, (0.0, 0.0, rate)), al.ZERO3
+
+    if kind == GROUND_ELLIPSE:
+        return ellipse(m, k, t)
 
     u = m.drive_at[k]
 

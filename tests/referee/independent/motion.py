@@ -1,6 +1,7 @@
 """What drivers ask of a joint, and how the ground moves, as positions, rates and second rates."""
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from .interpolation import Table
@@ -240,6 +241,9 @@ class Ground:
         if "orbit" in self.spec:
             return self._orbit(self.spec["orbit"], t)
 
+        if "elliptic_orbit" in self.spec:
+            return self._ellipse(self.spec["elliptic_orbit"], t)
+
         if "table" in self.spec:
             columns = np.array([table(t) for table in self.tables]).T
             (r, v, a), E = columns[:, :3], columns[:, 3:]
@@ -267,6 +271,35 @@ class Ground:
         v = cross(w, r)
         pointing = spec.get("pointing", True)
         return r, A if pointing else np.eye(3), v, w if pointing else ZERO, cross(w, v), ZERO
+
+    def _ellipse(self, spec, t):
+        """By the true anomaly nu: r = p / (1 + e cos nu), r^2 nu' = h."""
+        a, e = spec["semi_major_axis"], spec["eccentricity"]
+        n = 2 * np.pi / spec["period"] if "period" in spec else np.sqrt(spec["mu"] / a**3)
+        p, start = a * (1 - e * e), si(spec, "mean_anomaly", 0.0)
+
+        if "true_anomaly_deg" in spec:
+            nu = si(spec, "true_anomaly")
+            E = 2 * np.arctan2(np.sqrt(1 - e) * np.sin(nu / 2), np.sqrt(1 + e) * np.cos(nu / 2))
+            start = E - e * np.sin(E)
+
+        M = start + n * t
+        E = brentq(lambda E: E - e * np.sin(E) - M, M - 1.1, M + 1.1, xtol=1e-15, rtol=1e-15)
+        nu = 2 * np.arctan2(np.sqrt(1 + e) * np.sin(E / 2), np.sqrt(1 - e) * np.cos(E / 2))
+        angles = [si(spec, key, 0.0) for key in ("node", "inclination", "periapsis")]
+        axes = Rotation.from_euler("ZXZ", angles).as_matrix()
+        speed, distance = n * a**1.5 / np.sqrt(p), p / (1 + e * np.cos(nu))
+        r = distance * (axes @ [np.cos(nu), np.sin(nu), 0.0])
+        v = speed * (axes @ [-np.sin(nu), e + np.cos(nu), 0.0])
+        acceleration = -(n**2) * a**3 / distance**3 * r
+
+        if not spec.get("pointing", True):
+            return r, np.eye(3), v, ZERO, acceleration, ZERO
+
+        rate = speed * p / distance**2
+        second = -2 * rate * speed * e * np.sin(nu) / distance
+        A = axes @ Rotation.from_rotvec([0, 0, nu]).as_matrix()
+        return r, A, v, rate * axes[:, 2], acceleration, second * axes[:, 2]
 
     def _commanded(self, inputs, seen):
         """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told."""

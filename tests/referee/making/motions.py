@@ -219,6 +219,9 @@ def _rotation(dice):
 
 
 def _orbit(dice, site):
+    if dice.chance(0.5):
+        return _ellipse(dice, site)
+
     written, normal = frames.axis(dice)
     radius = dice.number(0.5, 3.0) if not site else site
     options = {"radius": radius, "rate": dice.signed(0.2, 1.5)}
@@ -227,12 +230,38 @@ def _orbit(dice, site):
         options["normal"] = written
     if dice.chance(0.6):
         phase = options["phase_deg"] = float(dice.pick(range(-180, 181, 15)))
-    if dice.chance(0.6):
+    if dice.chance(0.8):
         options["pointing"] = dice.chance(0.5)
 
     axes = frames.plane_axes(normal)
     turned = axes @ frames.about([0, 0, 1.0], np.radians(phase))
     return {"orbit": options}, (radius * turned[:, 0], turned if options.get("pointing", True) else np.eye(3))
+
+
+def _ellipse(dice, site):
+    e = dice.number(0.0, 0.6)
+    a = dice.number(0.5, 3.0) if not site else site / (1 - e)
+    options = {"semi_major_axis": a, "eccentricity": e}
+    period = dice.number(10.0, 40.0)
+    options |= {"period": period} if dice.chance(0.5) else {"mu": (2 * np.pi / period) ** 2 * a**3}
+    A = np.eye(3)
+
+    for key, about in (("node_deg", [0, 0, 1.0]), ("inclination_deg", [1.0, 0, 0]), ("periapsis_deg", [0, 0, 1.0])):
+        if dice.chance(0.6):
+            options[key] = float(dice.pick(range(-180, 181, 15)))
+            A = A @ frames.about(about, np.radians(options[key]))
+
+    E, told = 0.0, dice.pick(["", "mean", "mean", "true", "true"])
+    if told:
+        E = dice.number(-3.0, 3.0)
+        nu = 2 * np.arctan(np.sqrt((1 + e) / (1 - e)) * np.tan(E / 2))
+        options[f"{told}_anomaly_deg"] = float(np.degrees(nu if told == "true" else E - e * np.sin(E)))
+    if dice.chance(0.8):
+        options["pointing"] = dice.chance(0.5)
+
+    r = a * np.array([np.cos(E) - e, np.sqrt(1 - e * e) * np.sin(E), 0.0])
+    axes = A @ frames.about([0, 0, 1.0], np.arctan2(r[1], r[0]))
+    return {"elliptic_orbit": options}, (A @ r, axes if options.get("pointing", True) else np.eye(3))
 
 
 def _pose_table(dice, site):
