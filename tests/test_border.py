@@ -79,7 +79,7 @@ def test_the_header_follows_the_table(monkeypatch):
     """Two rows exchanged, as once went unnoticed: what C reads moves with them."""
     before = enumerated(header.layout_header())
     rows = list(layout.ARRAYS)
-    a, b = (rows.index(layout.ROW[name]) for name in ("notice", "start_time"))
+    a, b = (rows.index(layout.ARRAY[name]) for name in ("notice", "start_time"))
     rows[a], rows[b] = rows[b], rows[a]
     monkeypatch.setattr(layout, "ARRAYS", tuple(rows))
     after = enumerated(header.layout_header())

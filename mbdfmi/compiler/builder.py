@@ -54,7 +54,7 @@ class Place(NamedTuple):
     @property
     def at(self) -> int:
         """Index in the array."""
-        return self.row * layout.ROW[self.array].width + self.offset
+        return self.row * layout.ARRAY[self.array].width + self.offset
 
 
 class Told(NamedTuple):

@@ -146,7 +146,7 @@ def _assemble(builder):
     buffers["ints"][: len(header)] = header
 
     for row in layout.ARRAYS:
-        size = layout.row_length(row, counts)
+        size = layout.array_length(row, counts)
 
         if row.buffer in buffers and size:
             buffers[row.buffer][offset[row.name] : offset[row.name] + size] = np.ravel(values[row.name])

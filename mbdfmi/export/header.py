@@ -87,7 +87,7 @@ enum {{
 
 /* Each notice is a status and the numbers of its text. */
 #define MOST_NOTICES {status.MOST_NOTICES}
-#define NOTICE_WIDTH {layout.ROW["notice"].width}
+#define NOTICE_WIDTH {layout.ARRAY["notice"].width}
 
 /* Inputs are values and their derivatives, n_u of each. */
 #define N_DERIVATIVE {N_DERIVATIVE}"""

@@ -25,7 +25,7 @@ from numba.extending import (
 )
 
 from .language import load_apart
-from .layout import COUNTS, ROW, SLOT, row_length
+from .layout import COUNTS, ARRAY, SLOT, array_length
 
 INTS = types.CPointer(types.int64)
 REALS = types.CPointer(types.float64)
@@ -50,11 +50,11 @@ class _View:
         counts = {name: int(ints[k]) for k, name in enumerate(COUNTS)}
         self.__dict__.update(counts)
 
-        for name, row in ROW.items():
-            if row.buffer in self.buffer_names:
+        for name, array in ARRAY.items():
+            if array.buffer in self.buffer_names:
                 offset = ints[SLOT[name]]
-                buffer = getattr(self, f"{row.buffer}_buffer")
-                setattr(self, name, buffer[offset : offset + row_length(row, counts)])
+                buffer = getattr(self, f"{array.buffer}_buffer")
+                setattr(self, name, buffer[offset : offset + array_length(array, counts)])
 
 
 class ModelView(_View):
@@ -119,8 +119,8 @@ class _ViewAttribute(AttributeTemplate):
         if name == "u_buffer" and "u" in typ.view.buffer_names:
             return REALS
 
-        if name in ROW and ROW[name].buffer in typ.view.buffer_names:
-            return INTS if ROW[name].buffer == "ints" else REALS
+        if name in ARRAY and ARRAY[name].buffer in typ.view.buffer_names:
+            return INTS if ARRAY[name].buffer == "ints" else REALS
 
 
 @lower_getattr_generic(_ViewType)
@@ -138,4 +138,4 @@ def _view_attribute(context, builder, typ, value, name):
     if name in COUNTS:
         return header(COUNTS.index(name))
 
-    return builder.gep(getattr(struct, ROW[name].buffer), [header(SLOT[name])])
+    return builder.gep(getattr(struct, ARRAY[name].buffer), [header(SLOT[name])])
