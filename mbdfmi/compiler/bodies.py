@@ -250,6 +250,10 @@ def add_scene_outputs(builder):
                 *builder.drive_of,
                 *(i for joint in builder.driven_cuts for i in builder.nodes_of(joint)),
             ]
+
+            if builder.tree.home["ground"][0] in builder.drive_of:
+                felt, fed_by = _on_ground(builder)
+                nodes += felt
         elif output == "input_power":
             fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves]
 

@@ -16,6 +16,7 @@ that is at the contact.
 """
 
 import math
+from typing import NamedTuple
 
 from numba.types import void
 
@@ -24,6 +25,9 @@ from ..math import algebra as al
 from ..motion import coordinates, markers
 from ..views import DATA, MODEL
 from . import curves, surfaces
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
 
 ON_CURVE = 0
 CURVES = 1
@@ -93,36 +97,73 @@ def curve_normal(m, k, t, i):
     return al.cross(k_e, tangent) if i == 0 else k_e
 
 
+class OnCurve(NamedTuple):
+    """A point on a curve at its parameter. A: a's axes to O, r: the point (m, from O, in O); in a's axes e: from the curve to the
+    point, t, tt: derivatives of the curve by its parameter.
+    """
+
+    A: Matrix
+    r: Vector
+    e: Vector
+    t: Vector
+    tt: Vector
+
+
+class OnSurface(NamedTuple):
+    """Likewise of a point on a surface. r1 ... r22: derivatives of the surface by its parameters, in a's axes."""
+
+    A: Matrix
+    r: Vector
+    e: Vector
+    r1: Vector
+    r2: Vector
+    r11: Vector
+    r12: Vector
+    r22: Vector
+
+
+class CurvePair(NamedTuple):
+    """Two curves that touch, vectors in O. r: point on b's curve from O (m), e: to it from a's; tangent, n: unit tangent of a's
+    curve, and normal in its plane, so that what separates the two planes does not count; length |t_a|, bend: n.tt_a; t_b, tt_b:
+    derivatives of b's curve by its parameter.
+    """
+
+    r: Vector
+    e: Vector
+    tangent: Vector
+    n: Vector
+    length: float
+    bend: float
+    t_b: Vector
+    tt_b: Vector
+
+
 @kernel
 def point_on_curve(m, d, k):
-    """(A_a, point in O, e, t, tt), vectors in a's axes."""
+    """The point on a curve that contact k is (OnCurve). Needs kinematics."""
     a = m.end_frame_a[k]
     A = markers.axes(m, d, a)
     r_b = markers.position(m, d, m.end_frame_b[k])
     r, t, tt = curves.point(m, m.end_frame_from[k], d.z[m.end_frame_z[k]])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
-    return A, r_b, e, t, tt
+    return OnCurve(A, r_b, e, t, tt)
 
 
 @kernel
 def point_on_surface(m, d, k):
-    """(A_a, point in O, e, r_1, r_2, r_11, r_12, r_22), vectors in a's axes."""
+    """The point on a surface that contact k is (OnSurface). Needs kinematics."""
     a = m.end_frame_a[k]
     A = markers.axes(m, d, a)
     r_b = markers.position(m, d, m.end_frame_b[k])
     s = m.end_frame_z[k]
     r, r1, r2, r11, r12, r22 = surfaces.point(m, m.end_frame_from[k], d.z[s], d.z[s + 1])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
-    return A, r_b, e, r1, r2, r11, r12, r22
+    return OnSurface(A, r_b, e, r1, r2, r11, r12, r22)
 
 
 @kernel
 def curve_on_curve(m, d, k):
-    """Vectors (in inertial axes) of two curves that touch.
-
-    Returns (point on b's curve in O, e, unit tangent and normal of a's, |t_a|, n.tt_a, t_b, tt_b).
-    The normal is in the plane of a's curve, so what separates the two planes does not count.
-    """
+    """The two curves that contact k is (CurvePair). Needs kinematics."""
     a = m.end_frame_a[k]
     b = m.end_frame_b[k]
     A_a = markers.axes(m, d, a)
@@ -135,7 +176,7 @@ def curve_on_curve(m, d, k):
     length = al.norm(t_a)
     tangent = al.scale(1.0 / length, t_a)
     n = (-tangent[1], tangent[0], 0.0)
-    return (
+    return CurvePair(
         r,
         e,
         al.mat_vec(A_a, tangent),
@@ -148,11 +189,11 @@ def curve_on_curve(m, d, k):
 
 
 @inlined
-def tangency(e, tangent, n, length, bend_a, t_b, tt_b):
-    """Derivatives of -tangent.e and n.t_b by s1 and s2: a, b, c, d of [[a, b], [c, d]]."""
-    turn = bend_a / length
-    along = al.dot(tangent, t_b)
-    return length - al.dot(n, e) * turn, -along, -along * turn, al.dot(n, tt_b)
+def tangency(pair):
+    """Derivatives of -tangent.e and n.t_b of a CurvePair by s1 and s2: a, b, c, d of [[a, b], [c, d]]."""
+    turn = pair.bend / pair.length
+    along = al.dot(pair.tangent, pair.t_b)
+    return pair.length - al.dot(pair.n, pair.e) * turn, -along, -along * turn, al.dot(pair.n, pair.tt_b)
 
 
 @inlined
@@ -174,21 +215,21 @@ def rates(m, d, k):
     kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
-        A, r, e, t, tt = point_on_curve(m, d, k)
-        seen, _ = seen_motion(m, d, k, r)
-        return al.dot(t, al.matT_vec(A, seen)) / al.dot(t, t), 0.0
+        at = point_on_curve(m, d, k)
+        seen, _ = seen_motion(m, d, k, at.r)
+        return al.dot(at.t, al.matT_vec(at.A, seen)) / al.dot(at.t, at.t), 0.0
 
     if kind == ON_SURFACE:
-        A, r, e, r1, r2, r11, r12, r22 = point_on_surface(m, d, k)
-        seen, _ = seen_motion(m, d, k, r)
-        return surface_rates(al.matT_vec(A, seen), r1, r2)
+        on = point_on_surface(m, d, k)
+        seen, _ = seen_motion(m, d, k, on.r)
+        return surface_rates(al.matT_vec(on.A, seen), on.r1, on.r2)
 
-    r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
-    seen, _ = seen_motion(m, d, k, r)
+    pair = curve_on_curve(m, d, k)
+    seen, _ = seen_motion(m, d, k, pair.r)
     w = markers.angular_velocity(m, d, m.end_frame_b[k])
     w = al.sub(w, markers.angular_velocity(m, d, m.end_frame_a[k]))
-    J = tangency(e, tangent, n, length, bend_a, t_b, tt_b)
-    return solve2(J[0], J[1], J[2], J[3], al.dot(tangent, seen), -al.dot(n, al.cross(w, t_b)))
+    J = tangency(pair)
+    return solve2(J[0], J[1], J[2], J[3], al.dot(pair.tangent, seen), -al.dot(pair.n, al.cross(w, pair.t_b)))
 
 
 @inlined
@@ -226,15 +267,16 @@ def span(m, d, k):
     kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
-        A, r, e, t, tt = point_on_curve(m, d, k)
-        return r, al.mat_vec(A, e)
+        at = point_on_curve(m, d, k)
+        return at.r, al.mat_vec(at.A, at.e)
 
     if kind == ON_SURFACE:
-        A, r, e, r1, r2, r11, r12, r22 = point_on_surface(m, d, k)
-        return r, al.mat_vec(A, e)
+        on = point_on_surface(m, d, k)
+        return on.r, al.mat_vec(on.A, on.e)
 
-    r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
-    return r, al.add(al.scale(al.dot(tangent, e), tangent), al.scale(al.dot(n, e), n))
+    pair = curve_on_curve(m, d, k)
+    along = al.scale(al.dot(pair.tangent, pair.e), pair.tangent)
+    return pair.r, al.add(along, al.scale(al.dot(pair.n, pair.e), pair.n))
 
 
 @kernel
@@ -251,12 +293,12 @@ def row(m, d, k, i):
         return u, r, al.dot(u, e), 0.0, 0.0
 
     if m.end_frame_kind[k] == ON_CURVE:
-        A, r, e, t, tt = point_on_curve(m, d, k)
-        n = curve_normal(m, m.end_frame_from[k], t, i)
-        u = al.mat_vec(A, n)
-        seen, bias = seen_motion(m, d, k, r)
-        rate = al.dot(t, al.matT_vec(A, seen)) / al.dot(t, t)
-        return u, r, al.dot(n, e), al.dot(u, seen), al.dot(u, bias) - al.dot(n, tt) * rate * rate
+        at = point_on_curve(m, d, k)
+        n = curve_normal(m, m.end_frame_from[k], at.t, i)
+        u = al.mat_vec(at.A, n)
+        seen, bias = seen_motion(m, d, k, at.r)
+        rate = al.dot(at.t, al.matT_vec(at.A, seen)) / al.dot(at.t, at.t)
+        return u, at.r, al.dot(n, at.e), al.dot(u, seen), al.dot(u, bias) - al.dot(n, at.tt) * rate * rate
 
     if is_sphere(m, k):
         a = m.end_frame_a[k]
@@ -270,26 +312,26 @@ def row(m, d, k, i):
         return u, r, length - m.surface_value[2 * m.end_frame_from[k]], away, al.dot(u, bias) + bend
 
     if m.end_frame_kind[k] == ON_SURFACE:
-        A, r, e, r1, r2, r11, r12, r22 = point_on_surface(m, d, k)
-        n = al.cross(r1, r2)
+        on = point_on_surface(m, d, k)
+        n = al.cross(on.r1, on.r2)
         n = al.scale(1.0 / al.norm(n), n)
-        u = al.mat_vec(A, n)
-        seen, bias = seen_motion(m, d, k, r)
-        rate1, rate2 = surface_rates(al.matT_vec(A, seen), r1, r2)
-        bend = al.dot(n, r11) * rate1 * rate1 + 2.0 * al.dot(n, r12) * rate1 * rate2
-        bend += al.dot(n, r22) * rate2 * rate2
-        return u, r, al.dot(n, e), al.dot(u, seen), al.dot(u, bias) - bend
+        u = al.mat_vec(on.A, n)
+        seen, bias = seen_motion(m, d, k, on.r)
+        rate1, rate2 = surface_rates(al.matT_vec(on.A, seen), on.r1, on.r2)
+        bend = al.dot(n, on.r11) * rate1 * rate1 + 2.0 * al.dot(n, on.r12) * rate1 * rate2
+        bend += al.dot(n, on.r22) * rate2 * rate2
+        return u, on.r, al.dot(n, on.e), al.dot(u, seen), al.dot(u, bias) - bend
 
-    r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
-    seen, bias = seen_motion(m, d, k, r)
+    pair = curve_on_curve(m, d, k)
+    seen, bias = seen_motion(m, d, k, pair.r)
     w = markers.angular_velocity(m, d, m.end_frame_b[k])
     w = al.sub(w, markers.angular_velocity(m, d, m.end_frame_a[k]))
-    J = tangency(e, tangent, n, length, bend_a, t_b, tt_b)
-    turned = al.dot(n, al.cross(w, t_b))
-    slip = al.dot(tangent, seen)
+    J = tangency(pair)
+    turned = al.dot(pair.n, al.cross(w, pair.t_b))
+    slip = al.dot(pair.tangent, seen)
     rate1, rate2 = solve2(J[0], J[1], J[2], J[3], slip, -turned)
-    bend = turned * rate2 - slip * bend_a / length * rate1
-    return n, r, al.dot(n, e), al.dot(n, seen), al.dot(n, bias) + bend
+    bend = turned * rate2 - slip * pair.bend / pair.length * rate1
+    return pair.n, pair.r, al.dot(pair.n, pair.e), al.dot(pair.n, seen), al.dot(pair.n, bias) + bend
 
 
 @kernel
@@ -298,30 +340,30 @@ def newton(m, d, k):
     kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
-        A, r, e, t, tt = point_on_curve(m, d, k)
-        metric = al.dot(t, t)
-        bent = metric - al.dot(tt, e)
-        return al.dot(t, e) / (bent if bent > TRUSTED * metric else metric), 0.0
+        at = point_on_curve(m, d, k)
+        metric = al.dot(at.t, at.t)
+        bent = metric - al.dot(at.tt, at.e)
+        return al.dot(at.t, at.e) / (bent if bent > TRUSTED * metric else metric), 0.0
 
     if kind == ON_SURFACE:
-        A, r, e, r1, r2, r11, r12, r22 = point_on_surface(m, d, k)
-        a = al.dot(r1, r1)
-        b = al.dot(r1, r2)
-        c = al.dot(r2, r2)
-        f = al.dot(r1, e)
-        g = al.dot(r2, e)
-        a_bent = a - al.dot(r11, e)
-        b_bent = b - al.dot(r12, e)
-        c_bent = c - al.dot(r22, e)
+        on = point_on_surface(m, d, k)
+        a = al.dot(on.r1, on.r1)
+        b = al.dot(on.r1, on.r2)
+        c = al.dot(on.r2, on.r2)
+        f = al.dot(on.r1, on.e)
+        g = al.dot(on.r2, on.e)
+        a_bent = a - al.dot(on.r11, on.e)
+        b_bent = b - al.dot(on.r12, on.e)
+        c_bent = c - al.dot(on.r22, on.e)
 
         if a_bent > TRUSTED * a and a_bent * c_bent - b_bent * b_bent > TRUSTED * (a * c - b * b):
             return solve2(a_bent, b_bent, b_bent, c_bent, f, g)
 
         return solve2(a, b, b, c, f, g)
 
-    r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
-    J = tangency(e, tangent, n, length, bend_a, t_b, tt_b)
-    return solve2(J[0], J[1], J[2], J[3], al.dot(tangent, e), -al.dot(n, t_b))
+    pair = curve_on_curve(m, d, k)
+    J = tangency(pair)
+    return solve2(J[0], J[1], J[2], J[3], al.dot(pair.tangent, pair.e), -al.dot(pair.n, pair.t_b))
 
 
 @inlined
@@ -369,9 +411,9 @@ def miss(m, d, k):
     missed = al.dot(e, e)
 
     if m.end_frame_kind[k] == CURVES:
-        r, e, tangent, n, length, bend_a, t_b, tt_b = curve_on_curve(m, d, k)
+        pair = curve_on_curve(m, d, k)
         size = m.curve_size[m.end_frame_from[k]] + m.curve_size[m.end_frame_to[k]]
-        sine = size * al.dot(n, t_b) / al.norm(t_b)
+        sine = size * al.dot(pair.n, pair.t_b) / al.norm(pair.t_b)
         missed += sine * sine
 
     return missed
