@@ -9,7 +9,6 @@ from ..compiler.topology import spanning_tree
 from ..kernels import joints
 from ..kernels.math import algebra
 from ..scene.errors import listed
-from ..scene.starts import PrismaticStart, RevoluteStart
 from ..vocabulary import coordinate_names
 from .mechanism import ZERO, Mechanism
 from .motion import product_of
@@ -64,7 +63,8 @@ def started(scene, names):
     for name in cuts:
         value = mechanism.position(name)
         joint = scene.joint[name]
-        start = RevoluteStart(angle=value) if joint.kind == "revolute" else PrismaticStart(position=value)
+        (coordinate,) = joint.coordinates
+        start = type(joint.start)(**{coordinate.position.name: value})
         changed[name] = joint.model_copy(update={"start": start})
 
     return scene.model_copy(update={"joint": scene.joint | changed})

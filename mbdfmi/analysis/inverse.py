@@ -15,7 +15,7 @@ from scipy.interpolate import BPoly
 
 from ..compiler.joint_kinds import kind_of, scalars
 from ..compiler.variables import dotted, subscripts
-from ..kernels import layout, outputs
+from ..kernels import joints, layout, outputs
 from ..kernels.dynamics import projection, rates
 from ..kernels.motion import commands
 from ..kernels.status import OK
@@ -200,7 +200,7 @@ class _Run:
 
     def _units(self, part):
         """What of each of its positions compares with a radian."""
-        lengths = {"prismatic": len(part.nodes), "free": 3}.get(part.kind, 0)
+        lengths = sum(joints.N_SLIDE[self.m.body_joint[i]] for i in part.nodes)
         return np.append(np.full(lengths, self.length), np.ones(part.course.shape[1] - lengths))
 
     def _close(self):

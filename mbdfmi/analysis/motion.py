@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from ..compiler.joint_kinds import kind_of
-from ..compiler.variables import dotted, hint
+from ..compiler.variables import array_of, dotted, hint
 from ..kernels.math import algebra
 from ..run.results import Results
 from ..scene.errors import listed
@@ -72,14 +72,15 @@ def given_motion(scene, motion):
     given = {}
 
     for key in motion:
-        base, _, index = key.partition("[")
+        base = array_of(key)
+        index = key.removeprefix(base).strip("[]")
 
         if base in known:
             name, quantity = known[base]
             values = given.setdefault(name, {})
 
             if index:
-                values.setdefault(quantity, {})[int(index.rstrip("]"))] = motion[key]
+                values.setdefault(quantity, {})[int(index)] = motion[key]
             else:
                 values[quantity] = motion[key]
         elif key != "time" and not isinstance(motion, Results):

@@ -175,6 +175,7 @@ class Builder:
         self.marker("inertial")
 
     def _index_nodes(self):
+        """Where each node's coordinates stand, and which nodes each joint has."""
         self.q, self.v, self.joint_nodes = [], [], {}
         self.n_q = self.n_v = 0
 
@@ -195,7 +196,7 @@ class Builder:
         """Something that a user should be told: path of keys into the scene, as of a `Problem`, and what was done there."""
         self.notices.append(Problem(path, text))
 
-    def name(self, text):
+    def add_name(self, text):
         """Index of a name in `names`."""
         self.names.append(text)
         return len(self.names) - 1
@@ -206,7 +207,7 @@ class Builder:
         values[: np.size(value)] = value
         self.tables["n_told"].add(
             told_kind=told.kind, told_at=told.at, told_to=told.to, told_component=told.component,
-            told_place=self.name(name), told_unit=unit, told_value=values,
+            told_place=self.add_name(name), told_unit=unit, told_value=values,
         )  # fmt: skip
 
     # structure
@@ -239,6 +240,7 @@ class Builder:
         return self.coordinates[key]
 
     def _coordinate_row(self, joint, k):
+        """Coordinate k of a joint: that of its node in the tree, or what is seen between its markers."""
         if joint in self.joint_nodes:
             return dict(
                 coordinate_kind=coordinates.IN_TREE,

@@ -139,6 +139,7 @@ def _polynomial(builder, name, joint, node):
 
 
 def _ramp(builder, name, joint, node):
+    """A smooth way from one position to another."""
     value = joint.driver.ramp.values()
     drive = _add(builder, Drive(drives.RAMP, node, value))
     (coordinate,) = joint.coordinates

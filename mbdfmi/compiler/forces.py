@@ -7,7 +7,7 @@ from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
 from ..vectors import norm
 from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS
 from .builder import Place, Source
-from .elastic import elastic_table
+from .elastic import damper_of, spring_of
 from .start import start_pose
 from .variables import dotted
 
@@ -48,55 +48,44 @@ def add_forces(builder):
 def _add_strut(builder, name, force, ends):
     """A spring-damper along the line between two markers."""
     spec = force.spring_damper
-    linear = spec.table is None
-    stiffness = spec.stiffness if linear else 0.0
-    rest = spec.rest_length
-    damping = spec.damping if isinstance(spec.damping, float) else 0.0
-    table = damper_table = u = -1
     nodes = [builder.node_of(end) for end in force.between]
-
-    if not linear:
-        table, rest = elastic_table(builder, spec.table)
-
-    if not isinstance(spec.damping, float):
-        damper_table, _ = elastic_table(builder, spec.damping.table)
+    spring = spring_of(builder, spec.table, spec.stiffness, spec.rest_length)
+    damper = damper_of(builder, spec.damping)
+    u = -1
 
     if force.input:
         about = f"{STRUT_INPUT.text} of {name} beside its spring, tension positive"
         u = builder.add_inputs(dotted(name, STRUT_INPUT.name), STRUT_INPUT, about, nodes)
 
-    slack = rest is None
+    slack = spring.rest is None
 
     if slack:
         first, second = (start_pose(builder, end)[0] for end in force.between)
-        rest = norm(second - first)
+        spring = spring._replace(rest=norm(second - first))
 
     row = builder.tables["n_strut"].add(
         strut_from=ends[0],
         strut_to=ends[1],
-        strut_spring_table=table,
-        strut_damper_table=damper_table,
+        strut_spring_table=spring.table,
+        strut_damper_table=damper.table,
         strut_u=u,
         strut_slack=slack,
-        strut_stiffness=stiffness,
-        strut_damping=damping,
-        strut_rest=rest,
-        strut_told=rest,
+        strut_stiffness=spring.stiffness,
+        strut_damping=damper.damping,
+        strut_rest=spring.rest,
+        strut_told=spring.rest,
     )
 
-    if linear:
-        about = f"stiffness of {name}"
-        builder.add_parameters(
-            dotted(name, "stiffness"), Place("strut_stiffness", row), stiffness, "N/m", about
-        )
-        about = (
-            f"length of {name} without force" + "; left as it is, the length at the start of the run" * slack
-        )
-        builder.add_parameters(dotted(name, "rest_length"), Place("strut_rest", row), rest, "m", about)
+    if spring.is_linear:
+        about, place = f"stiffness of {name}", Place("strut_stiffness", row)
+        builder.add_parameters(dotted(name, "stiffness"), place, spring.stiffness, "N/m", about)
+        about = f"length of {name} without force"
+        about += "; left as it is, the length at the start of the run" * slack
+        builder.add_parameters(dotted(name, "rest_length"), Place("strut_rest", row), spring.rest, "m", about)
 
-    if damper_table < 0:
-        about = f"damping of {name}"
-        builder.add_parameters(dotted(name, "damping"), Place("strut_damping", row), damping, "N.s/m", about)
+    if damper.table < 0:
+        about, place = f"damping of {name}", Place("strut_damping", row)
+        builder.add_parameters(dotted(name, "damping"), place, damper.damping, "N.s/m", about)
 
     for output in force.output:
         quantity = STRUT_OUTPUTS[output]

@@ -6,7 +6,7 @@ from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
 from .builder import Place, Source
-from .elastic import elastic_table
+from .elastic import Spring, damper_of, spring_of
 from .end_frames import add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
@@ -60,40 +60,30 @@ def add_joints(builder):
 def _add_spring(builder, name, joint):
     """Spring and damper in a joint of one degree of freedom; returns their row."""
     unit, effort = units_along(joint)
-    linear = joint.spring and joint.spring.table is None
-    stiffness = joint.spring.stiffness if linear else 0.0
-    rest = joint.spring.rest_value() if linear else 0.0
-    damping = joint.damper if isinstance(joint.damper, float) else 0.0
-    table = damper_table = -1
+    spring = Spring(-1, 0.0, 0.0)
 
-    if joint.spring and not linear:
-        table, rest = elastic_table(builder, joint.spring.table)
+    if joint.spring:
+        spring = spring_of(builder, joint.spring.table, joint.spring.stiffness, joint.spring.rest_value())
 
-    if not isinstance(joint.damper, float):
-        damper_table, _ = elastic_table(builder, joint.damper.table)
-
+    damper = damper_of(builder, joint.damper)
     row = builder.tables["n_joint_spring"].add(
         joint_spring_coordinate=builder.coordinate(name),
-        joint_spring_table=table,
-        joint_damper_table=damper_table,
-        joint_stiffness=stiffness,
-        joint_rest=rest,
-        joint_damping=damping,
+        joint_spring_table=spring.table,
+        joint_damper_table=damper.table,
+        joint_stiffness=spring.stiffness,
+        joint_rest=spring.rest,
+        joint_damping=damper.damping,
     )
 
-    if linear:
-        about = f"stiffness of {name}"
-        builder.add_parameters(
-            dotted(name, "stiffness"), Place("joint_stiffness", row), stiffness, f"{effort}/{unit}", about
-        )
-        about = f"position of {name} at which its spring is slack"
-        builder.add_parameters(dotted(name, "rest"), Place("joint_rest", row), rest, unit, about)
+    if joint.spring and spring.is_linear:
+        about, place = f"stiffness of {name}", Place("joint_stiffness", row)
+        builder.add_parameters(dotted(name, "stiffness"), place, spring.stiffness, f"{effort}/{unit}", about)
+        about, place = f"position of {name} at which its spring is slack", Place("joint_rest", row)
+        builder.add_parameters(dotted(name, "rest"), place, spring.rest, unit, about)
 
-    if damping:
-        about = f"damping of {name}"
-        builder.add_parameters(
-            dotted(name, "damper"), Place("joint_damping", row), damping, f"{effort}.s/{unit}", about
-        )
+    if damper.damping:
+        about, place = f"damping of {name}", Place("joint_damping", row)
+        builder.add_parameters(dotted(name, "damper"), place, damper.damping, f"{effort}.s/{unit}", about)
 
     return row
 
@@ -140,7 +130,7 @@ def _add_stop(builder, name, joint):
     }
     row = builder.tables["n_stop"].add(
         stop_coordinate=builder.coordinate(name),
-        stop_place=builder.name(f"{name}{' (in deg)' if in_degrees else ''}"),
+        stop_place=builder.add_name(f"{name}{' (in deg)' if in_degrees else ''}"),
         stop_unit=ENDINGS["_deg"] if in_degrees else 1.0,
         **{f"stop_{key}": value for key, (value, _, _) in values.items()},
     )

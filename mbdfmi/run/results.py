@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..compiler.variables import hint, meant
+from ..compiler.variables import array_of, hint, meant
 from ..files import check_ending, replacing
 from ..scene import variable_name
 from ..scene.errors import listed
@@ -153,7 +153,7 @@ class Results(Mapping):
 
         for name in self:
             if name != "time":
-                panels[name.partition("[")[0]].append(name)
+                panels[array_of(name)].append(name)
 
         n = max(1, len(panels))
         n_column = 1 if n <= 4 else 2

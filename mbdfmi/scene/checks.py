@@ -249,6 +249,7 @@ def _wrong_ends(table, ends, markers, joints):
 
 
 def _wrong_end(end, markers, joints):
+    """What is wrong with one end (a list of names), or None."""
     body, written = end[0], ".".join(end)
     known = [*markers, *(f"{b}.{marker}" for b in markers for marker in markers[b])]
     if written in known:

@@ -100,6 +100,7 @@ class Cycloid(CurveBase):
 
 
 def _points(value):
+    """Rows of two or three numbers, none the same as the one before, or ValueError."""
     what = "points [x, y, z] or [x, y]"
     if isinstance(value, np.ndarray):
         value = value.tolist()

@@ -42,6 +42,7 @@ class SpringDamperOptions(Part):
 
 
 def _added_mass(rows):
+    """The rows of a matrix that may be an added mass, or ValueError."""
     matrix = np.array(rows)
     if matrix.diagonal().min() < 0:
         raise ValueError("has a negative value on its diagonal")

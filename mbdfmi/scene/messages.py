@@ -44,6 +44,7 @@ def _path(location, data):
 
 
 def _text(found, cls):
+    """One of pydantic's errors, in words."""
     kind, location, value = found["type"], found["loc"], found["input"]
 
     if kind == "value_error":

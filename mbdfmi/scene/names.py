@@ -73,6 +73,7 @@ def _title(value):
 
 
 def _name(value):
+    """The name of an entry, or ValueError."""
     if not isinstance(value, str):
         raise ValueError(f"a name is a text, found {show(value)}")
     name = value.strip()

@@ -128,6 +128,7 @@ def _print(found, say):
 
 
 def _table(found):
+    """A row for each run with figures, by CPU time."""
     numbers = ("error", "CPU, ms", "evaluations", "steps")
     table = table_of("", "stepper", "tolerance", *numbers, "worst output", numbers=numbers)
 
