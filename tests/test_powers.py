@@ -49,9 +49,10 @@ def named_outputs(instance):
 
 
 def dressed(data, rng, drivers=True, moving=True):
-    """A scene (a dict) with friction, stops, inputs and drivers in its joints, a bushing, a load, an actuated strut, a ground
+    """A scene (a dict) with friction, stops, rotors, inputs and drivers in its joints, a bushing, a load, an actuated strut, a ground
     that moves; all told."""
     chance = lambda p: rng.random() < p
+    (rotors,) = rng.spawn(1)
     bodies = list(data["body"])
     coupled = {name for coupling in data.get("coupling", {}).values() for name in coupling["between"]}
     most = 1 if "loop0" in data["joint"] else len(bodies)
@@ -75,6 +76,7 @@ def dressed(data, rng, drivers=True, moving=True):
         elif chance(0.5):
             joint["input"] = "torque" if kind == "revolute" else "force"
 
+        joint |= {"turning": {"inertia": 0.01, "ratio": -5.0 + 10.0 * rotors.random()}} if rotors.random() < 0.4 else {}
         joint["output"] = ["power", "speed"] + [f"{part}_effort" for part in PARTS if joint.get(part)]
 
     if chance(0.5):

@@ -133,6 +133,7 @@ def add_bodies(builder):
             body_reversed=node.reversed,
             body_spins=_spins(builder, node),
             body_drive=builder.drive_of.get(i, -1),
+            body_rotor=-1,
             body_r=r,
             body_A=A,
             zyx_start=np.zeros(3),

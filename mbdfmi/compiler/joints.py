@@ -42,6 +42,9 @@ def add_joints(builder):
         if not joint.driver:
             tell_start(builder, name, joint)
 
+        if joint.turning:
+            _add_rotor(builder, name, joint)
+
         parts = {}
 
         if joint.spring or joint.damper:
@@ -55,6 +58,21 @@ def add_joints(builder):
 
         fed_by = _add_inputs(builder, name, joint, parts)
         _add_outputs(builder, name, joint, parts, fed_by)
+
+
+def _add_rotor(builder, name, joint):
+    """A rotor that turns with a joint of one degree of freedom, which is in the tree (topology.spanning_tree)."""
+    (node,) = builder.joint_nodes[name]
+    inertia, ratio = joint.turning.inertia, joint.turning.ratio
+    row = builder.tables["n_rotor"].add(rotor_body=node, rotor_inertia=inertia, rotor_ratio=ratio)
+    builder.tables["n_body"].columns["body_rotor"][node][0] = row
+    unit = None if units_along(joint)[0] == "rad" else "rad/m"
+    about = f"inertia of the rotor that turns with {name}"
+    builder.add_parameters(
+        dotted(name, "turning", "inertia"), Place("rotor_inertia", row), inertia, "kg.m2", about
+    )
+    about = f"speed of the rotor that turns with {name}, by the joint's"
+    builder.add_parameters(dotted(name, "turning", "ratio"), Place("rotor_ratio", row), ratio, unit, about)
 
 
 def _add_spring(builder, name, joint):

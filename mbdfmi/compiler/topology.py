@@ -4,7 +4,7 @@ A node is what fixed joints hold together, those left out whose reactions are as
 ground is in it unless it moves, then it is node 1. Poses are those of frames.py.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -68,7 +68,7 @@ class Tree:
 def spanning_tree(scene: SceneData, first=()) -> Tree:
     """The spanning tree that leaves the fewest coordinates: joints of few freedoms are in it, those of many close loops.
 
-    Joints with a given start are kept in the tree before others, then those with something of their own (spring, input, output, ...).
+    Joints that rotors turn with are always in it. Joints with a given start are kept in the tree before others, then those with something of their own (spring, input, output, ...).
     Nodes come depth first, in the order of the file. first : joints that come into it before all others.
     """
     welded = _weld(scene)
@@ -79,6 +79,7 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
         if kind_of(joint).in_trees and not is_weld(joint)
     }
     order = sorted(ends, key=lambda name: (name not in first, *_preference(scene.joint[name])))
+    order.sort(key=lambda name: not scene.joint[name].turning)
     chosen = _chosen(order, ends, len(welded), group_of["ground"])
     joints_at = [[] for _ in welded]
 
@@ -88,6 +89,7 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
                 joints_at[at].append((name, other))
 
     cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and name not in chosen]
+    _check_rotors(scene, cuts)
     tree = Tree([Node(-1, "", "", 0, False, IDENTITY, list(welded[0]))], {}, cuts)
     tree.home |= {body: (0, pose) for body, pose in welded[0].items()}
     roots = [(0, 0)]
@@ -131,20 +133,40 @@ def _chosen(order, ends, n_group, ground):
     return chosen
 
 
+def _check_rotors(scene, cuts):
+    """Raises SceneError where a joint that a rotor turns with closes a loop: so do all others of the loop have rotors."""
+    for name in cuts:
+        if scene.joint[name].turning:
+            text = (
+                "all joints of this loop have a rotor, and one of them must close it, which has no coordinate for a rotor to "
+                'turn with; leave "turning" out of one of them'
+            )
+            raise SceneError([Problem(("joint", name, "turning"), text)])
+
+
 def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
     """The tree of absolute coordinates: every node with bodies hangs on the ground by a free joint, every joint is a constraint.
 
-    The nodes' frames stay those of `tree`.
+    But for joints that rotors turn with: these need their coordinates. The nodes' frames stay those of `tree`.
     """
     ground = tree.home["ground"][0]
     kept = [i for i, node in enumerate(tree.nodes) if i <= ground or node.bodies]
     new = {i: k for k, i in enumerate(kept)}
-    nodes = [
-        tree.nodes[i] if i <= ground else Node(ground, "", "free", 0, False, IDENTITY, tree.nodes[i].bodies)
-        for i in kept
-    ]
+    nodes = []
+
+    for i in kept:
+        node = tree.nodes[i]
+
+        if i > ground:
+            turns = scene.joint[node.joint].turning
+            free = Node(ground, "", "free", 0, False, IDENTITY, node.bodies)
+            node = replace(node, parent=new[node.parent]) if turns else free
+
+        nodes.append(node)
+
     home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
-    return Tree(nodes, home, [name for name, joint in scene.joint.items() if not is_weld(joint)])
+    cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and not joint.turning]
+    return Tree(nodes, home, cuts)
 
 
 def is_weld(joint) -> bool:

@@ -24,6 +24,7 @@ COUNTS = (
     "n_marker",
     "n_coordinate",  # joint coordinates that something refers to
     "n_turn",  # those that are angles of joints outside the tree
+    "n_rotor",  # rotors that turn with joints of one freedom
     "n_joint_spring",
     "n_friction",  # joint coordinates with dry friction
     "n_stop",  # joint coordinates with bump stops
@@ -88,6 +89,8 @@ ARRAYS = (
     Array("body_spins", "ints", 1, "n_body", "1: the start's angular velocity is kept in the second marker's axes, not the first's"),
     Array("v_given", "ints", 1, "n_v", "1: start position given, 2: start velocity given, 3: both"),
     Array("body_drive", "ints", 1, "n_body", "drive of its joint, -1: none"),
+    Array("body_rotor", "ints", 1, "n_body", "rotor that turns with its joint, -1: none"),
+    Array("rotor_body", "ints", 1, "n_rotor", "node whose joint it turns with"),
     Array("solid_body", "ints", 1, "n_solid", "node"),
     Array("marker_body", "ints", 1, "n_marker", "node"),
     Array("coordinate_kind", "ints", 1, "n_coordinate", "see motion/coordinates.py"),
@@ -200,6 +203,8 @@ ARRAYS = (
     Array("v_start", "reals", 1, "n_v", "velocity coordinates as the user gave them"),
     Array("zyx_start", "reals", 3, "n_body", "rad, yaw, pitch, roll of an orientation: it counts where it is not zyx_told"),
     Array("closing_tolerance", "reals", 1, 1, "m, rad, largest gap of a closed loop"),
+    Array("rotor_inertia", "reals", 1, "n_rotor", "kg m2, about its axis"),
+    Array("rotor_ratio", "reals", 1, "n_rotor", "its speed by the joint's (rad/m on a prismatic joint)"),
     Array("joint_stiffness", "reals", 1, "n_joint_spring", "N m/rad or N/m"),
     Array("joint_rest", "reals", 1, "n_joint_spring", "rad or m, where its energy is zero"),
     Array("joint_damping", "reals", 1, "n_joint_spring", "N m s/rad or N s/m"),

@@ -11,6 +11,7 @@ from .status import (
     BAD_MASS,
     BAD_MAX_EVALUATIONS,
     BAD_PARAMETER,
+    BAD_ROTOR,
     BAD_SOLVER_SETTING,
     BAD_TOLERANCE,
     OK,
@@ -156,6 +157,10 @@ def prepare(m, d):
 
         if not has_finite_added_mass(d, k):
             return status(BAD_PARAMETER, m.marker_body[m.six_by_six_to[k]])
+
+    for k in range(m.n_rotor):
+        if not (m.rotor_inertia[k] >= 0.0 and math.isfinite(m.rotor_inertia[k] * m.rotor_ratio[k] * m.rotor_ratio[k])):
+            return status(BAD_ROTOR, m.rotor_body[k])
 
     for i in range(m.n_body):
         if not has_finite_inertia(d, i):

@@ -35,6 +35,7 @@ BAD_ABSOLUTE_TOLERANCE = 41
 BAD_MAX_EVALUATIONS = 42
 TOO_MUCH_WORK = 43
 BAD_STEP = 44
+BAD_ROTOR = 45
 SINGULAR_START = 30
 LOOP_SIZE = 31
 LOOP_ALONG = 32
@@ -80,6 +81,7 @@ MESSAGES = {
     LOOP_OPEN: "the loop cannot be closed at %s",
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
+    BAD_ROTOR: "the rotor that turns with the joint of %s needs an inertia that is not negative, and finite numbers",
     SINGULAR_START: "the loop cannot be closed at %s though it stands open by rounding only: the position is singular; start a "
     "little way off",
     LOOP_SIZE: "the ends at %s stay %g m apart and turned by %g rad against each other",

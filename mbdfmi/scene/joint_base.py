@@ -27,7 +27,7 @@ class JointBase(Part):
 
     between : the two ends. At the joint's zero position their frames coincide.
     start : position and speed at the start.
-    spring, damper, friction, stop, driver : in the joint itself; None, 0 for kinds without.
+    spring, damper, friction, stop, turning, driver : in the joint itself; None, 0 for kinds without.
     input : names of the efforts that come from outside.
     output : names of what goes out.
     """
@@ -99,6 +99,7 @@ class Plain(JointBase):
     spring: ClassVar[None] = None
     damper: ClassVar[float] = 0.0
     friction: ClassVar[None] = None
+    turning: ClassVar[None] = None
     stop: ClassVar[None] = None
     driver: ClassVar[None] = None
 

@@ -37,6 +37,7 @@ from .fields import (
     Empty,
     NotNegative,
     NotZero,
+    Number,
     Part,
     SomeOf,
     axis,
@@ -108,8 +109,24 @@ class Driveable(JointBase):
         return self
 
 
+class Turning(Part):
+    """A rotor that turns with a joint, as that of a geared motor, borne by the body of the joint's first marker.
+
+    inertia : about its axis, which is parallel to the joint's, kg m2.
+    ratio : its speed relative to that body, by the joint's; on a prismatic joint rad/m.
+
+    Its mass, and its inertia as if it were locked, belong to the body that bears it. Beside them come ratio^2 inertia on the
+    joint, and the angular momentum ratio inertia speed of that body about the axis: where the body turns the rotor resists,
+    and where the joint speeds up it turns the body. A joint with a rotor does not close loops: where all joints of a loop
+    have rotors, one of them must go without.
+    """
+
+    inertia: NotNegative = Field(description="inertia about its axis in kg m2")
+    ratio: Number = Field(description="speed of the rotor by the joint's (rad/m on a prismatic joint)")
+
+
 class Revolute(Driveable):
-    """Rotation about an axis. damper : N m s/rad. input : torque, N m.
+    """Rotation about an axis. damper : N m s/rad. input : torque, N m. turning : a rotor that turns with it.
 
     output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
         marker along the joint, N m ("effort" is the driver's too), and the power of all these on the bodies, W.
@@ -123,6 +140,7 @@ class Revolute(Driveable):
     spring: AngularSpring | None = None
     damper: number_or(NotNegative, EffortDamper) = 0.0
     friction: Friction | None = None
+    turning: Turning | None = None
     stop: AngularStop | None = None
     driver: AngularDriver | None = None
     input: SomeOf("torque", bare=True) = []
@@ -130,7 +148,7 @@ class Revolute(Driveable):
 
 
 class Prismatic(Driveable):
-    """Translation along an axis. damper : N s/m. input : force, N.
+    """Translation along an axis. damper : N s/m. input : force, N. turning : a rotor that turns with it.
 
     output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
         marker along the joint, N ("effort" is the driver's too), and the power of all these on the bodies, W.
@@ -144,6 +162,7 @@ class Prismatic(Driveable):
     spring: LinearSpring | None = None
     damper: number_or(NotNegative, EffortDamper) = 0.0
     friction: Friction | None = None
+    turning: Turning | None = None
     stop: LinearStop | None = None
     driver: LinearDriver | None = None
     input: SomeOf("force", bare=True) = []

@@ -9,7 +9,7 @@ import math
 from numba.types import boolean, int64, void
 
 from .. import joints
-from ..joints import passing, virtual
+from ..joints import passing, rotors, virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import kinematics, markers
@@ -61,10 +61,31 @@ def crba(m, d, mass_matrix):
                 moment = al.add(moment, al.cross(al.vec3(d.arm, j), force))
                 j = m.body_parent[j]
 
+    for k in range(m.n_rotor):
+        add_rotor(m, d, mass_matrix, m.rotor_body[k])
+
     if d.weighs[0] > 0.0:
         for i in range(1, m.n_body):
             if joints.is_one_axis(m.body_joint[i]):
                 mass_matrix[(m.n_v + 1) * m.body_v[i]] += d.weight[m.body_v[i]]
+
+
+@inlined
+def add_rotor(m, d, mass_matrix, i):
+    """What the rotor that turns with body i's joint adds to the mass matrix (docs/theory.md 5.5)."""
+    v = m.body_v[i]
+    mass_matrix[(m.n_v + 1) * v] += rotors.inertia(m, i)
+    moment = al.scale(rotors.coupling(m, i), al.vec3(d.axis, i))
+    j = m.body_parent[i]
+
+    while j > 0:
+        for l in range(joints.n_v(m.body_joint[j])):
+            row = m.body_v[j] + l
+            value = al.dot(joints.subspace(m, d, j, l)[0], moment)
+            mass_matrix[m.n_v * row + v] += value
+            mass_matrix[m.n_v * v + row] += value
+
+        j = m.body_parent[j]
 
 
 @apart(int64(MODEL, DATA))

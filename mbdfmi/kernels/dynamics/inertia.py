@@ -7,7 +7,7 @@ articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S moti
 from numba.types import void
 
 from ..forces import added_mass
-from ..joints import virtual
+from ..joints import rotors, virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..views import DATA, MODEL
@@ -44,6 +44,7 @@ def inertias(m, d):
     g = al.vec3(m.gravity, 0)
     al.set_vec3(d.moment, 0, al.ZERO3)
     al.set_vec3(d.force, 0, al.ZERO3)
+    al.set_vec3(d.bias_moment, 0, al.ZERO3)
 
     for i in range(1, m.n_body):
         A = al.mat3(d.A, i)
@@ -63,6 +64,11 @@ def inertias(m, d):
             al.set_sym3(d.M, i, (mass, mass, mass, 0.0, 0.0, 0.0))
 
     added_mass.add(m, d)
+
+    for k in range(m.n_rotor):
+        host = rotors.host(m, m.rotor_body[k])
+        L = rotors.momentum(m, d, m.rotor_body[k])
+        al.add_vec3(d.bias_moment, host, al.cross(al.vec3(d.w, host), L))
 
 
 @inlined
@@ -107,6 +113,9 @@ def kinetic_energy(m, d):
             L, p = added_mass.borne(m, d, k)
             energy -= al.dot(al.axpy(-0.5, w, al.vec3(d.w, i)), L) + al.dot(al.axpy(-0.5, rd, al.vec3(d.rd, i)), p)
 
+    for k in range(m.n_rotor):
+        energy += rotors.energy(m, d, m.rotor_body[k])
+
     return energy
 
 
@@ -139,6 +148,9 @@ def total_momentum(m, d):
             r = al.vec3(d.r, m.marker_body[m.six_by_six_to[k]])
             angular = al.sub(angular, al.add(L, al.cross(r, p)))
             linear = al.sub(linear, p)
+
+    for k in range(m.n_rotor):
+        angular = al.add(angular, rotors.momentum(m, d, m.rotor_body[k]))
 
     return angular, linear
 

@@ -4,7 +4,7 @@ from numba.types import void
 
 from .. import joints
 from ..forces import added_mass
-from ..joints import passing
+from ..joints import passing, rotors
 from ..language import apart, kernel
 from ..math import algebra as al
 from ..motion import kinematics
@@ -29,6 +29,9 @@ def joint_wrenches(m, d):
         al.add_vec3(d.bias_moment, i, al.sub(moment, al.vec3(d.moment, i)))
         al.add_vec3(d.bias_force, i, al.sub(force, al.vec3(d.force, i)))
 
+    for k in range(m.n_rotor):
+        al.add_vec3(d.bias_moment, rotors.host(m, m.rotor_body[k]), rotors.reaction(m, d, m.rotor_body[k]))
+
     for i in range(m.n_body - 1, 0, -1):
         if m.body_parent[i] > 0:
             moment = al.vec3(d.bias_moment, i)
@@ -49,3 +52,6 @@ def rnea(m, d, tau):
             S_w, S_r = joints.subspace(m, d, i, k)
             power = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
             tau[m.body_v[i] + k] = power
+
+        if rotors.has(m, i):
+            tau[m.body_v[i]] += rotors.effort(m, d, i)

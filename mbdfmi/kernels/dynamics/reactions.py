@@ -7,6 +7,7 @@ is applied to them; for one that closes a loop, its rows' wrenches times their m
 """
 
 from .. import forces, joints
+from ..joints import rotors
 from ..language import inlined, kernel
 from ..math import algebra as al
 from ..motion import coordinates, drives, markers
@@ -128,9 +129,10 @@ def on_ground(m, d, ground):
         moment = al.neg(al.vec3(d.bias_moment, ground))
         return al.matT_vec(A, moment), al.matT_vec(A, al.neg(al.vec3(d.bias_force, ground)))
 
-    # weight of what is fixed to it, forces on it, joints
+    # weight of what is fixed to it, forces on it, rotors that it bears, joints
     g = al.vec3(m.gravity, 0)
     moment = al.add(al.vec3(d.moment, 0), al.cross(al.vec3(d.body_h, 0), g))
+    moment = al.sub(moment, al.vec3(d.bias_moment, 0))
     force = al.axpy(d.body_m[0], g, al.vec3(d.force, 0))
 
     for i in range(1, m.n_body):
@@ -150,6 +152,10 @@ def held_effort(m, d, i):
     """
     S_w, S_r = joints.subspace(m, d, i, 0)
     borne = al.dot(S_w, al.vec3(d.bias_moment, i)) + al.dot(S_r, al.vec3(d.bias_force, i))
+
+    if rotors.has(m, i):
+        borne += rotors.effort(m, d, i)
+
     return borne - d.tau[m.body_v[i]]
 
 

@@ -20,7 +20,7 @@ To add a kind: a file with these, its row in kinds.py, its branch in each functi
 
 from ..language import inlined
 from ..math import algebra as al
-from . import fixed, free, one_axis, spherical
+from . import fixed, free, one_axis, rotors, spherical
 from .kinds import (
     FIXED,
     FREE,
@@ -204,6 +204,9 @@ def articulate(m, d, i, moment, force):
     M = al.sym3(d.M_a, i)
 
     if d.held[i] > 0.0:
+        if rotors.has(m, i):
+            moment = al.add(moment, rotors.reaction(m, d, i))
+
         return fixed.articulate(m, d, i, I, H, M, moment, force)
 
     if is_one_axis(kind):

@@ -8,7 +8,7 @@ import math
 from ..language import inlined
 from ..math import algebra as al
 from ..status import OK
-from . import passing, virtual
+from . import passing, rotors, virtual
 from .kinds import PRISMATIC, REVOLUTE
 
 
@@ -116,6 +116,10 @@ def articulate(m, d, i, I, H, M, moment, force):
         D = al.dot(axis, U_r)
         effort = d.tau[v] - al.dot(axis, force)
         most = M[0] + M[1] + M[2]
+
+    if rotors.has(m, i):
+        U_w = al.axpy(rotors.coupling(m, i), axis, U_w)
+        D += rotors.inertia(m, i)
 
     if not D > al.ROUNDING * most:
         more = virtual.lend(m, d, i, not revolute) if lacks(D, most) else 0.0
