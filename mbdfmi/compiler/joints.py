@@ -186,11 +186,13 @@ def _add_inputs(builder, name, joint, parts):
             continue
 
         u = builder.add_inputs(variable, effort, about, nodes)
-        k = [scalar.coordinate.effort for scalar in scalars(joint)].index(effort)
-        parts["input"] = builder.tables["n_effort_input"].add(
-            effort_coordinate=builder.coordinate(name, k), effort_u=u
-        )
-        fed_by.append(u)
+        along = [k for k, scalar in enumerate(scalars(joint)) if scalar.coordinate.effort == effort]
+
+        for i, k in enumerate(along):
+            parts["input"] = builder.tables["n_effort_input"].add(
+                effort_coordinate=builder.coordinate(name, k), effort_u=u + i
+            )
+            fed_by.append(u + i)
 
     return fed_by
 
