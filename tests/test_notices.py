@@ -11,6 +11,7 @@ from fmu_host import OK, WARNING, Instance, Library
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.export.resource import resource
+from mbdfmi.kernels import layout
 from mbdfmi.kernels.status import MESSAGES, MOST_NOTICES, STIFF, status, tell
 from mbdfmi.run.instance import Instance as InProcess
 from mbdfmi.run.simulate import simulate
@@ -78,9 +79,11 @@ def test_kernels_notices_in_the_log(model, library, tmp_path):
     (tmp_path / "model.bin").write_bytes(resource(model, messages))
     instance = Instance(library, location=tmp_path.as_uri().encode()).start()
     data = bytearray(instance.serialise(instance.save()))
-    core = 7 * 8 + 8 * len(model.reals)
-    told = [2.0, float(status(99, 1)), 0.25, -1e-7, float(status(STIFF, 0)), 0.0, 0.0]
-    struct.pack_into("<7d", data, HEAD_OF_STATE + core + 2 * 8, *told)
+    state_at = HEAD_OF_STATE + 7 * 8 + 8 * len(model.reals)
+    told = {"notices": [2.0], "notice": [float(status(99, 1)), 0.25, -1e-7, float(status(STIFF, 0)), 0.0, 0.0]}
+    for name, values in told.items():
+        at = int(model.ints[layout.SLOT[name]])
+        struct.pack_into(f"<{len(values)}d", data, state_at + 8 * at, *values)
     struct.pack_into("<I", data, 12, zlib.crc32(data[HEAD_OF_STATE:]))
     state, snapshot = instance.deserialise(bytes(data))
     assert state == instance.restore(snapshot) == OK
