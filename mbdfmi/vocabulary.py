@@ -172,6 +172,15 @@ STRUT_OUTPUTS = table(
     Quantity("power", "W", words="power on the bodies"),
 )
 
+TORSION_OUTPUTS = table(
+    Quantity("angle", "rad", words="angle about the common z axis"),
+    Quantity("rate", "rad/s", words="rate of the angle"),
+    Quantity("moment", "N.m", words="moment on the second marker about z"),
+    Quantity("spring_moment", "N.m", words="moment of the spring"),
+    Quantity("damper_moment", "N.m", words="moment of the damper"),
+    Quantity("power", "W", words="power on the bodies"),
+)
+
 SIX_BY_SIX_OUTPUTS = table(
     Quantity("force", "N", 3, "force on the second marker, in the first one's axes"),
     Quantity("moment", "N.m", 3, "moment on the second marker about its origin, in the first one's axes"),

@@ -91,6 +91,7 @@ def dressed(data, rng, drivers=True, moving=True):
     force = data.setdefault("force", {})
     pair = [bodies[0], bodies[-1] if len(bodies) > 1 else "ground"]
     force["pull"] = {"spring_damper": {"stiffness": 2.0, "damping": 0.3, "rest_length": 0.4}, "between": pair, "input": "force"}
+    force["twist"] = {"torsion": {"stiffness": 1.5, "rest_deg": -40, "damping": 0.2}, "between": pair}
     force["mount"] = {"bushing": {"stiffness": matrix(chance(0.5)), "damping": matrix(False)}, "between": pair[::-1]}
     force["push"] = {"load": {"force": [1.0, 2.0, 3.0], "moment": [0.5, 0.0, -0.4], "axes": "body"}, "on": bodies[-1]}
 

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.math.tables import LINEAR
+from .builder import Place
 from .interpolation import curve
+from .variables import dotted
 
 
 class Spring(NamedTuple):
@@ -43,6 +45,36 @@ def damper_of(builder, given):
         return Damper(-1, given)
 
     return Damper(_elastic_table(builder, given.table)[0], 0.0)
+
+
+def add_along(builder, name, coordinate, spring, damper, units, key):
+    """A spring (or None) and a damper along a coordinate, with parameters of `name`; returns their row.
+
+    units : of the coordinate and of efforts along it. key : what the damper's parameter is called.
+    """
+    unit, effort = units
+    linear = spring is not None and spring.is_linear
+    spring = spring or Spring(-1, 0.0, 0.0)
+    row = builder.tables["n_joint_spring"].add(
+        joint_spring_coordinate=coordinate,
+        joint_spring_table=spring.table,
+        joint_damper_table=damper.table,
+        joint_stiffness=spring.stiffness,
+        joint_rest=spring.rest,
+        joint_damping=damper.damping,
+    )
+
+    if linear:
+        about, place = f"stiffness of {name}", Place("joint_stiffness", row)
+        builder.add_parameters(dotted(name, "stiffness"), place, spring.stiffness, f"{effort}/{unit}", about)
+        about, place = f"position of {name} at which its spring is slack", Place("joint_rest", row)
+        builder.add_parameters(dotted(name, "rest"), place, spring.rest, unit, about)
+
+    if damper.damping:
+        about, place = f"damping of {name}", Place("joint_damping", row)
+        builder.add_parameters(dotted(name, key), place, damper.damping, f"{effort}.s/{unit}", about)
+
+    return row
 
 
 def _elastic_table(builder, graph):

@@ -4,10 +4,11 @@ import numpy as np
 
 from ..kernels import outputs
 from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
+from ..kernels.motion.coordinates import TWIST
 from ..vectors import norm
-from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS
+from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS, TORSION_OUTPUTS
 from .builder import Place, Source
-from .elastic import damper_of, spring_of
+from .elastic import add_along, damper_of, spring_of
 from .start import start_pose
 from .variables import dotted
 
@@ -25,6 +26,15 @@ STRUT_KINDS = {
     "power": outputs.STRUT_POWER,
 }
 FED_BY_INPUT = ("tension", "input_force", "power")
+TORSION_KINDS = {
+    "angle": outputs.COORDINATE,
+    "rate": outputs.RATE,
+    "moment": outputs.EFFORT,
+    "power": outputs.JOINT_POWER,
+    "spring_moment": outputs.SPRING_EFFORT,
+    "damper_moment": outputs.DAMPER_EFFORT,
+}
+OF_SPRING = ("spring_moment", "damper_moment")
 SIX_BY_SIX_KINDS = {
     "force": outputs.LINEAR_FORCE,
     "moment": outputs.LINEAR_MOMENT,
@@ -94,6 +104,30 @@ def _add_strut(builder, name, force, ends):
         builder.add_outputs(
             dotted(name, output), source, quantity.unit, f"{quantity.text} of {name}", nodes, fed_by
         )
+
+
+def _add_torsion(builder, name, force, ends):
+    """A spring and a damper along the twist between two markers."""
+    spec = force.torsion
+    turn = builder.tables["n_turn"].add(
+        turn_coordinate=builder.tables["n_coordinate"].length, turn_start=0.0
+    )
+    coordinate = builder.tables["n_coordinate"].add(
+        coordinate_kind=TWIST,
+        coordinate_body=0,
+        coordinate_from=ends[0],
+        coordinate_to=ends[1],
+        coordinate_turn=turn,
+    )
+    spring = spring_of(builder, spec.table, spec.stiffness, spec.rest_value())
+    damper = damper_of(builder, spec.damping)
+    row = add_along(builder, name, coordinate, spring, damper, ("rad", "N.m"), "damping")
+    nodes = [builder.node_of(end) for end in force.between]
+
+    for output in force.output:
+        quantity = TORSION_OUTPUTS[output]
+        source = Source(TORSION_KINDS[output], row if output in OF_SPRING else coordinate)
+        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{quantity.text} of {name}", nodes)
 
 
 def _add_six_by_six(builder, name, force, ends):
@@ -181,6 +215,7 @@ def _add_load(builder, name, load, ends):
 
 ELEMENTS = {
     "spring_damper": _add_strut,
+    "torsion": _add_torsion,
     "linear": _add_six_by_six,
     "bushing": _add_six_by_six,
     "load": _add_load,

@@ -6,7 +6,7 @@ from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
 from .builder import Place, Source
-from .elastic import Spring, damper_of, spring_of
+from .elastic import add_along, damper_of, spring_of
 from .end_frames import add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
@@ -77,33 +77,13 @@ def _add_rotor(builder, name, joint):
 
 def _add_spring(builder, name, joint):
     """Spring and damper in a joint of one degree of freedom; returns their row."""
-    unit, effort = units_along(joint)
-    spring = Spring(-1, 0.0, 0.0)
+    spring = None
 
     if joint.spring:
         spring = spring_of(builder, joint.spring.table, joint.spring.stiffness, joint.spring.rest_value())
 
     damper = damper_of(builder, joint.damper)
-    row = builder.tables["n_joint_spring"].add(
-        joint_spring_coordinate=builder.coordinate(name),
-        joint_spring_table=spring.table,
-        joint_damper_table=damper.table,
-        joint_stiffness=spring.stiffness,
-        joint_rest=spring.rest,
-        joint_damping=damper.damping,
-    )
-
-    if joint.spring and spring.is_linear:
-        about, place = f"stiffness of {name}", Place("joint_stiffness", row)
-        builder.add_parameters(dotted(name, "stiffness"), place, spring.stiffness, f"{effort}/{unit}", about)
-        about, place = f"position of {name} at which its spring is slack", Place("joint_rest", row)
-        builder.add_parameters(dotted(name, "rest"), place, spring.rest, unit, about)
-
-    if damper.damping:
-        about, place = f"damping of {name}", Place("joint_damping", row)
-        builder.add_parameters(dotted(name, "damper"), place, damper.damping, f"{effort}.s/{unit}", about)
-
-    return row
+    return add_along(builder, name, builder.coordinate(name), spring, damper, units_along(joint), "damper")
 
 
 def _add_friction(builder, name, joint):

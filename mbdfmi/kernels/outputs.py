@@ -90,6 +90,8 @@ LOAD_POWER = 55
 # of joint coordinate a, driven or not
 JOINT_POWER = 56
 DRIVEN_JOINT_POWER = 57
+# of coordinate a that no drive moves
+EFFORT = 64
 # of the ground, node a
 GROUND_FORCE = 58
 GROUND_MOMENT = 59
@@ -395,6 +397,9 @@ def write_outputs(m, d, y):
 
             if kind == DRIVEN_JOINT_POWER:
                 y[at] += reactions.drive_effort(m, d, a) * coordinates.rate(m, d, a)
+
+        elif kind == EFFORT:
+            y[at] = forces.effort_along(m, d, a)
 
         elif kind == GROUND_FORCE or kind == GROUND_MOMENT:
             moment, force = reactions.on_ground(m, d, a)

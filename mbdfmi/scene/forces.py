@@ -5,7 +5,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_OUTPUTS
+from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_OUTPUTS, TORSION_OUTPUTS
+from .efforts import AngularSpring
 from .ends import BETWEEN, Between, End, stands_still
 from .errors import show
 from .fields import (
@@ -20,7 +21,7 @@ from .fields import (
     by_key,
     number_or,
 )
-from .tables import Ascending, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
+from .tables import Ascending, EffortDamper, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
 
 
 class SpringDamperOptions(Part):
@@ -39,6 +40,15 @@ class SpringDamperOptions(Part):
     rest_length: NotNegative | None = None
     table: ForceOverLength | None = None
     damping: number_or(NotNegative, ForceDamper) = 0.0
+
+
+class TorsionOptions(AngularSpring):
+    """A moment about the z axis that two markers have in common.
+
+    damping : N m s/rad; or a table of moment over speed.
+    """
+
+    damping: number_or(NotNegative, EffortDamper) = 0.0
 
 
 def _added_mass(rows):
@@ -230,6 +240,26 @@ class SpringDamper(Part):
         return self
 
 
+class Torsion(Part):
+    """torsion = { stiffness, rest, table, damping }
+
+    It resists the angle of the second marker from the first about z, at the start within half a turn, then counted over as many
+    turns as there come; what it rests at may be turns away. Where the two z axes are not quite parallel, as when a bushing or nothing keeps them so, the angle is what is
+    left once the swing from the one to the other is taken away, and the moment acts along z between the two: it stores what it takes.
+    They must not become opposite.
+
+    output : angle (rad), its rate (rad/s), the moment on the second marker about z and the parts of it that spring and damper
+        make (N m), the power on the bodies, W.
+    """
+
+    kind: ClassVar[str] = "torsion"
+    input: ClassVar[tuple] = ()
+
+    torsion: TorsionOptions
+    between: Between = Field(description=BETWEEN)
+    output: SomeOf(*TORSION_OUTPUTS) = ()
+
+
 class Bushing(Part):
     """bushing = { stiffness, damping }
 
@@ -290,4 +320,4 @@ class Linear(Part):
         return self
 
 
-Force = by_key("a force", SpringDamper, Linear, Bushing, Load)
+Force = by_key("a force", SpringDamper, Torsion, Linear, Bushing, Load)

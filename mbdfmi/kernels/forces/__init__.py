@@ -70,8 +70,14 @@ def dissipated(m, d):
 
 
 @kernel
-def power_along(m, d, c):
-    """Power (W) of what acts along joint coordinate c but the drive: springs, dampers, friction, stops, inputs."""
+def effort_along(m, d, c):
+    """Effort (N m or N) of all that acts along coordinate c but the drive: springs, dampers, friction, stops, inputs."""
     effort = joint_springs.effort_along(m, d, c) + friction.effort_along(m, d, c)
     effort += stops.effort_along(m, d, c) + effort_inputs.effort_along(m, d, c)
-    return effort * coordinates.rate(m, d, c)
+    return effort
+
+
+@kernel
+def power_along(m, d, c):
+    """Power (W) of that."""
+    return effort_along(m, d, c) * coordinates.rate(m, d, c)

@@ -4,6 +4,9 @@ A joint of the tree has its coordinate in the state. One that closes a loop has 
 angle of b's x axis about a's z axis, or the displacement of b along it. The markers tell such an angle but for full turns. These are
 told by a state of its own, integrated along with the others at the angle's rate: so the angle is right however far a step leads. It is
 set to the angle wherever positions are projected.
+
+A twist is an angle between two markers that nothing keeps parallel, as that of a torsion spring: of b about z, once the swing that
+brings a's z axis to b's is taken away (docs/theory.md 16.12). Only forces act along it: it has no acceleration here.
 """
 
 import math
@@ -17,6 +20,7 @@ from . import markers
 IN_TREE = 0
 ANGLE = 1
 SLIDE = 2
+TWIST = 3
 
 
 @inlined
@@ -44,7 +48,9 @@ def value(m, d, k):
         return markers.relative_position(m, d, a, b)[2]
 
     A = markers.relative_axes(m, d, a, b)
-    return unwrapped(math.atan2(A[1][0], A[0][0]), d.z[turn(m, m.coordinate_turn[k])])
+    twist = m.coordinate_kind[k] == TWIST
+    angle = math.atan2(A[1][0] - A[0][1], A[0][0] + A[1][1]) if twist else math.atan2(A[1][0], A[0][0])
+    return unwrapped(angle, d.z[turn(m, m.coordinate_turn[k])])
 
 
 @inlined
@@ -58,6 +64,9 @@ def rate(m, d, k):
 
     if m.coordinate_kind[k] == SLIDE:
         return markers.relative_velocity(m, d, a, b)[2]
+
+    if m.coordinate_kind[k] == TWIST:
+        return al.dot(along(m, d, k), al.sub(markers.angular_velocity(m, d, b), markers.angular_velocity(m, d, a)))
 
     return markers.relative_angular_velocity(m, d, a, b)[2]
 
@@ -104,9 +113,14 @@ def bias(m, d, k):
 
 @inlined
 def along(m, d, k):
-    """The axis of a coordinate that is not in the tree (unit vector, inertial axes)."""
-    A = markers.axes(m, d, m.coordinate_from[k])
-    return (A[0][2], A[1][2], A[2][2])
+    """The axis of a coordinate that is not in the tree (inertial axes): its rate is the relative (angular) velocity times that."""
+    z = al.column(markers.axes(m, d, m.coordinate_from[k]), 2)
+
+    if m.coordinate_kind[k] == TWIST:
+        z_b = al.column(markers.axes(m, d, m.coordinate_to[k]), 2)
+        return al.scale(1.0 / (1.0 + al.dot(z, z_b)), al.add(z, z_b))
+
+    return z
 
 
 @inlined
@@ -117,7 +131,7 @@ def wrenches(m, d, k, effort):
     """
     u = al.scale(effort, along(m, d, k))
 
-    if m.coordinate_kind[k] == ANGLE:
+    if m.coordinate_kind[k] != SLIDE:
         return al.neg(u), al.ZERO3, u, al.ZERO3
 
     b = m.coordinate_to[k]
