@@ -192,8 +192,8 @@ SIX_BY_SIX_OUTPUTS = table(
 
 LOAD_OUTPUTS = table(Quantity("power", "W"))
 
-COUPLING_OUTPUTS = table(Quantity("efforts", width=2, words="effort"))
-"""Along the coordinates of the two joints, in their units."""
+COUPLING_OUTPUTS = table(Quantity("efforts", words="effort"))
+"""Along the coordinates of its joints, one each, in their units."""
 
 # outputs of the whole
 

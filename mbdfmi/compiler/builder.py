@@ -104,18 +104,19 @@ class Output:
 class Constraint:
     """Equations of one joint, drive or coupling, before they stand in the tables.
 
-    markers : four, -1 where there is none: two of the first coordinate or of the joint, two of the second coordinate.
+    markers : of the joint, or of the first coordinate (0 where that is in the tree).
     nodes : that it acts on.
     rows : (kind in kernels/dynamics/rows.py, two indices of what it is about).
-    value, offset : numbers that the rows keep; of a coupling the factors of its coordinates. drive : -1 without.
+    value : m, that the rows keep. terms : of a coupling its coordinates and their factors. offset : of it. drive : -1 without.
     at_start : the numbers are those at the start, once all else is closed.
     """
 
     name: str
-    markers: tuple[int, ...]
+    markers: tuple[int, int]
     nodes: list[int]
     rows: list[tuple]
-    value: tuple[float, float]
+    value: float = 0.0
+    terms: tuple[tuple[int, float], ...] = ()
     offset: float = 0.0
     drive: int = -1
     at_start: bool = False

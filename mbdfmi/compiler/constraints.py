@@ -4,7 +4,7 @@ from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
 from .builder import Constraint, Place
-from .couplings import coupling_constraints, drive_constraints
+from .couplings import coordinate_ends, coupling_constraints, drive_constraints
 from .joint_kinds import kind_of
 from .start import start_pose
 
@@ -26,7 +26,7 @@ def add_constraints(builder):
     builder.constraint_names = [c.name for c in constraints]
     builder.constraint_nodes = [c.nodes for c in constraints]
     builder.joint_constraints = {
-        c.name: k for k, c in enumerate(constraints) if c.rows[0][0] != rows.COUPLING
+        c.name: k for k, c in enumerate(constraints) if not c.terms
     }
     _add_tables(builder, constraints, [path[k] for k in order], earlier)
     builder.loop_hints = [_hint(builder, c) for c in constraints]
@@ -49,16 +49,12 @@ def add_constraints(builder):
 def _involved(builder, constraint):
     """Nodes whose joints a constraint is about: those between its ends, and joints that it couples."""
     nodes = set()
-    columns = builder.tables["n_coordinate"].columns
-    sides = [constraint.markers[:2], constraint.markers[2:]]
-    coupled = constraint.rows[0][0] == rows.COUPLING
+    ends = [coordinate_ends(builder, k) for k, _ in constraint.terms] or [(0, constraint.markers)]
 
-    for side, markers in enumerate(sides):
-        k = constraint.rows[0][1 + side] if coupled else -1
-
-        if k >= 0 and columns["coordinate_body"][k][0] > 0:
-            nodes.add(int(columns["coordinate_body"][k][0]))
-        elif markers[0] >= 0:
+    for node, markers in ends:
+        if node:
+            nodes.add(node)
+        else:
             a, b = (set(_way(builder, builder.marker_node(marker))) for marker in markers)
             nodes |= a ^ b
 
@@ -99,10 +95,10 @@ def _joint_constraint(builder, name):
 
     return Constraint(
         name=name,
-        markers=(*markers, -1, -1),
+        markers=(markers[0], markers[1]),
         nodes=builder.nodes_of(name),
         rows=[(row, i, end_frame if row == rows.CONTACT else j) for row, i, j in kind.rows],
-        value=(value, 0.0),
+        value=value,
         at_start=at_start,
     )
 
@@ -113,7 +109,7 @@ def _path(builder, constraint):
 
     if (
         len({_rigid_part(builder, i) for i in constraint.nodes}) == 1
-        and constraint.rows[0][0] != rows.COUPLING
+        and not constraint.terms
     ):
         return []
 
@@ -198,8 +194,6 @@ def _add_tables(builder, constraints, paths, earlier):
         builder.tables["n_constraint"].add(
             constraint_from=constraint.markers[0],
             constraint_to=constraint.markers[1],
-            constraint_from_2=constraint.markers[2],
-            constraint_to_2=constraint.markers[3],
             constraint_row=row,
             constraint_rows=size[c],
             constraint_path=builder.tables["n_path"].length,
@@ -233,6 +227,11 @@ def _add_rows(builder, c, constraint):
     # how many products of axes there are tells which axes they keep parallel
     parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint.rows) - 1)
 
+    first_term = builder.tables["n_term"].length
+
+    for coordinate, factor in constraint.terms:
+        builder.tables["n_term"].add(term_coordinate=coordinate, term_factor=factor)
+
     for kind, i, j in constraint.rows:
         builder.tables["n_row"].add(
             row_constraint=c,
@@ -240,6 +239,8 @@ def _add_rows(builder, c, constraint):
             row_i=i,
             row_j=j,
             row_value=constraint.value,
+            row_term=first_term,
+            row_terms=len(constraint.terms),
             row_offset=constraint.offset,
             row_drive=constraint.drive,
             row_at_start=constraint.at_start,

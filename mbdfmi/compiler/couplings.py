@@ -1,4 +1,4 @@
-"""Constraints on one or two joint coordinates: couplings, screws, drives of joints that close loops."""
+"""Constraints on joint coordinates: couplings, screws, drives of joints that close loops."""
 
 from ..kernels import outputs
 from ..kernels.dynamics import rows
@@ -11,7 +11,7 @@ from .variables import dotted
 def drive_constraints(builder):
     """Constraints of driven joints that close loops: one row on the joint's coordinate each."""
     return [
-        _coordinate_constraint(builder, name, [builder.coordinate(name), -1], (1.0, 0.0), drive=drive)
+        _coordinate_constraint(builder, name, [(builder.coordinate(name), 1.0)], drive=drive)
         for name, drive in builder.driven_cuts.items()
     ]
 
@@ -21,25 +21,22 @@ def coupling_constraints(builder):
     constraints = []
 
     for name, coupling in builder.scene.coupling.items():
-        first, second = coupling.between
-        pair = [builder.coordinate(first), builder.coordinate(second)]
+        terms = [(builder.coordinate(joint), factor) for joint, factor in coupling.terms]
         at_start = coupling.offset is None
         constraints.append(
-            _coordinate_constraint(
-                builder, name, pair, (coupling.ratio, -1.0), coupling.offset or 0.0, at_start=at_start
-            )
+            _coordinate_constraint(builder, name, terms, offset=coupling.offset or 0.0, at_start=at_start)
         )
 
     for name, joint in builder.scene.joint.items():
         for k, (other, ratio) in kind_of(joint).led(joint).items():
-            pair = [builder.coordinate(name, k), builder.coordinate(name, other)]
-            constraints.append(_coordinate_constraint(builder, name, pair, (1.0, -ratio)))
+            terms = [(builder.coordinate(name, k), 1.0), (builder.coordinate(name, other), -ratio)]
+            constraints.append(_coordinate_constraint(builder, name, terms))
 
     return constraints
 
 
 def add_coupling_outputs(builder):
-    """Efforts of couplings in their two joints, once the rows are known."""
+    """Efforts of couplings in their joints, once the rows are known."""
     columns = builder.tables["n_constraint"].columns
 
     for name, coupling in builder.scene.coupling.items():
@@ -55,27 +52,21 @@ def add_coupling_outputs(builder):
                 builder.add_outputs(variable, source, unit, about, builder.constraint_nodes[c])
 
 
-def _coordinate_constraint(builder, name, pair, factors, offset=0.0, **more):
-    """A constraint of one row on one or two joint coordinates; `more` of it."""
-    markers, nodes = [], []
+def coordinate_ends(builder, k):
+    """(node, markers) of coordinate k: the node whose joint it is, or 0 and the markers between which it closes a loop."""
     columns = builder.tables["n_coordinate"].columns
+    node, a, b = (
+        int(columns[name][k][0]) for name in ("coordinate_body", "coordinate_from", "coordinate_to")
+    )
+    return node, (a, b)
 
-    for k in pair:
-        here = [0, 0] if k >= 0 else [-1, -1]
 
-        if k >= 0:
-            body = int(columns["coordinate_body"][k][0])
+def _coordinate_constraint(builder, name, terms, **more):
+    """A constraint of one row on joint coordinates; terms : (coordinate, factor) of each; `more` of it."""
+    ends = [coordinate_ends(builder, k) for k, _ in terms]
+    nodes = []
 
-            if body > 0:
-                nodes.append(body)
-            else:
-                here = [int(columns[name][k][0]) for name in ("coordinate_from", "coordinate_to")]
-                nodes += [builder.marker_node(marker) for marker in here]
+    for node, markers in ends:
+        nodes += [node] if node else [builder.marker_node(marker) for marker in markers]
 
-        markers += here
-
-    # a second coordinate in the tree has no markers
-    if markers[2:] == [0, 0]:
-        markers[2:] = [-1, -1]
-
-    return Constraint(name, tuple(markers), nodes, [(rows.COUPLING, *pair)], factors, offset, **more)
+    return Constraint(name, ends[0][1], nodes, [(rows.COUPLING, -1, -1)], terms=tuple(terms), **more)

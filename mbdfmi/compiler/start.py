@@ -47,14 +47,15 @@ def coupled_angles(scene):
         name: joint for name, joint in scene.joint.items() if kind_of(joint).is_one_axis and _tells(joint)
     }
     known = {name: start_position(joint) for name, joint in held.items()}
-    links = [(*c.between, c.ratio, c.offset) for c in scene.coupling.values() if c.offset is not None]
+    links = [(dict(c.terms), c.offset) for c in scene.coupling.values() if c.offset is not None]
 
     for _ in links:
-        for first, second, ratio, offset in links:
-            if first in known:
-                known.setdefault(second, ratio * known[first] + offset)
-            elif second in known:
-                known[first] = (known[second] - offset) / ratio
+        for factors, offset in links:
+            unknown = [name for name in factors if name not in known]
+
+            if len(unknown) == 1:
+                total = offset + sum(factor * known[name] for name, factor in factors.items() if name in known)
+                known[unknown[0]] = -total / factors[unknown[0]]
 
     told = (name for name in known if name not in held or scene.joint[name].driver)
     return {(name, 0): known[name] for name in told if kind_of(scene.joint[name]).motions == ("revolute",)}

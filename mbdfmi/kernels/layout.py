@@ -36,6 +36,7 @@ COUNTS = (
     "n_central",  # 1: central gravity
     "n_constraint",  # joints that close loops, rolling, couplings
     "n_row",  # their scalar equations
+    "n_term",  # joint coordinates in couplings and in drives of joints that close loops
     "n_path",  # nodes between the constraints and the ground, summed
     "n_response",  # values of all rows' responses in the joints between
     "n_neighbour",  # pairs of neighbours: constraints that share joints, or come to in the factor by fill
@@ -127,8 +128,6 @@ ARRAYS = (
     Array("load_moment_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
     Array("constraint_from", "ints", 1, "n_constraint", "first marker"),
     Array("constraint_to", "ints", 1, "n_constraint", "second marker"),
-    Array("constraint_from_2", "ints", 1, "n_constraint", "markers of a coupling's second coordinate, -1: none or in the tree"),
-    Array("constraint_to_2", "ints", 1, "n_constraint", ""),
     Array("constraint_row", "ints", 1, "n_constraint", "first row"),
     Array("constraint_rows", "ints", 1, "n_constraint", "number of rows"),
     Array("constraint_path", "ints", 1, "n_constraint", "first of the nodes between it and the ground"),
@@ -139,8 +138,11 @@ ARRAYS = (
     Array("path_at", "ints", 1, "n_path", "where the node's joint stands in a row's response"),
     Array("row_constraint", "ints", 1, "n_row", "constraint"),
     Array("row_kind", "ints", 1, "n_row", "see dynamics/rows.py"),
-    Array("row_i", "ints", 1, "n_row", "axis of the first marker, or first coordinate"),
-    Array("row_j", "ints", 1, "n_row", "axis of the second marker, or second coordinate, -1: none"),
+    Array("row_i", "ints", 1, "n_row", "axis of the first marker, or component"),
+    Array("row_j", "ints", 1, "n_row", "axis of the second marker, or end frame"),
+    Array("row_term", "ints", 1, "n_row", "first of a coupling's terms"),
+    Array("row_terms", "ints", 1, "n_row", "number of these, 0: no coupling"),
+    Array("term_coordinate", "ints", 1, "n_term", "coordinate"),
     Array("row_drive", "ints", 1, "n_row", "drive of a coupling, -1: none"),
     Array("row_at_start", "ints", 1, "n_row", "1: a coupling's offset, or a distance, is that of the start"),
     Array("row_parallel", "ints", 1, "n_row", "part of what keeps markers' z axes (1) or all their axes (2) parallel; else 0"),
@@ -228,8 +230,9 @@ ARRAYS = (
     Array("load_force", "reals", 3, "n_load", "N"),
     Array("load_moment", "reals", 3, "n_load", "N m"),
     Array("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
-    Array("row_value", "reals", 2, "n_row", "m: length, radius; or coefficients of a coupling"),
+    Array("row_value", "reals", 1, "n_row", "m: length, radius"),
     Array("row_offset", "reals", 1, "n_row", "constant of a coupling"),
+    Array("term_factor", "reals", 1, "n_term", "of the coordinate"),
     Array("drive_value", "reals", 16, "n_drive", "see motion/drives.py"),
     Array("wave_value", "reals", 3, "n_wave", "amplitude (m, rad), frequency (Hz), phase (rad)"),
     Array("s_start", "reals", 1, "n_s", "parameters of contacts as the user gave them"),
@@ -376,10 +379,10 @@ ARRAYS = (
     Array("row_force_from", "work", 3, "n_row", ""),
     Array("row_moment_to", "work", 3, "n_row", "on the second marker's body"),
     Array("row_force_to", "work", 3, "n_row", ""),
-    Array("row_moment_from_2", "work", 3, "n_row", "couplings: on the bodies of the second coordinate"),
-    Array("row_force_from_2", "work", 3, "n_row", ""),
-    Array("row_moment_to_2", "work", 3, "n_row", ""),
-    Array("row_force_to_2", "work", 3, "n_row", ""),
+    Array("term_moment_from", "work", 3, "n_term", "of a coupling's further coordinates that close loops: on the first marker's body"),
+    Array("term_force_from", "work", 3, "n_term", ""),
+    Array("term_moment_to", "work", 3, "n_term", "on the second marker's body"),
+    Array("term_force_to", "work", 3, "n_term", ""),
     Array("row_gap", "work", 1, "n_row", "position residual g"),
     Array("row_rate", "work", 1, "n_row", "velocity residual g'"),
     Array("row_bias", "work", 1, "n_row", "g'' at zero accelerations of the bodies"),

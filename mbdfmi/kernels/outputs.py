@@ -71,7 +71,7 @@ DAMPER_EFFORT = 41
 FRICTION_EFFORT = 42
 STOP_EFFORT = 43
 INPUT_EFFORT = 44
-# of coupling row a along its first (b = 0) or second coordinate
+# of coupling row a along coordinate b, from 0
 COUPLING_EFFORT = 45
 # of marker b relative to a
 ZYX_RATE = 46
@@ -375,7 +375,7 @@ def write_outputs(m, d, y):
             y[at] = effort_in_joint(m, d, kind, a)
 
         elif kind == COUPLING_EFFORT:
-            y[at] = m.row_value[2 * a + b] * d.multiplier[a]
+            y[at] = m.term_factor[m.row_term[a] + b] * d.multiplier[a]
 
         elif kind == ZYX_RATE:
             al.set_vec_at(y, at, zyx_rate(m, d, a, b))

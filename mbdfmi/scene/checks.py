@@ -21,6 +21,8 @@ from .errors import (
 )
 from .names import FRAMES, fmi_name
 
+ORDINALS = ("first", "second", "third")
+
 
 def cross_references(data):
     """The problems of names and references in the data (a dict) of a scene."""
@@ -188,7 +190,7 @@ def _shared_names(data):
 def _wrong_coupling(coupling, joints):
     """What is wrong with the joints of a coupling, or None. joints : {name: joint}."""
     names = _get(coupling, "between")
-    if not isinstance(names, (list, tuple)) or len(names) != 2:
+    if not isinstance(names, (list, tuple)) or len(names) < 2:
         return None
     if not all(isinstance(name, str) for name in names):
         return None
@@ -198,11 +200,16 @@ def _wrong_coupling(coupling, joints):
         if name not in joints:
             text = f"no joint {quoted(name)}; there is {listed(joints) or 'none'}."
             return text + did_you_mean(name, joints)
-    if names[0] == names[1]:
-        return f"both are {quoted(names[0])}; a coupling is between two joints"
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            if len(names) == 2:
+                return f"both are {quoted(name)}; a coupling is between two joints"
+            return f"two of them are {quoted(name)}; a coupling is between different joints"
 
     cls = next((cls for cls in COUPLINGS if _get(coupling, cls.kind) is not None), CouplingBase)
-    for name, which, kinds in zip(names, ("first", "second"), cls.kinds):
+    for k, name in enumerate(names):
+        kinds = cls.kinds[min(k, 1)]
+        which = ORDINALS[k] if k < len(ORDINALS) else f"{k + 1}th"
         if not any(_get(joints[name], kind) is not None for kind in kinds):
             what = cls.kind if cls.kind else "a coupling"
             return (
@@ -210,7 +217,8 @@ def _wrong_coupling(coupling, joints):
                 f"{what} must be"
             )
     if all(_get(joints[name], "driver") is not None for name in names):
-        return "both joints are driven; one of them follows the other, so drop a driver"
+        which = "both joints are driven; one of them follows the other" if len(names) == 2 else "all joints are driven"
+        return f"{which}, so drop a driver"
     return None
 
 

@@ -295,6 +295,12 @@ def couplings():
         hinge(),
         coupling={"c": {"gear": {"ratio": 3}, "between": ["one", "two"]}},
     )
+    three = {"between": ["b.end", "c"], "start": {"speed": 0.4}}
+    differential = {"linear": {"coefficients": [1, 1, -2]}, "between": ["one", "two", "three"]}
+    found["differential"] = pair(hinge(start={"angle": 0.3, "speed": 1.2}, input="torque"), hinge())
+    found["differential"]["body"]["c"] = arm()
+    found["differential"]["joint"]["three"] = hinge(**three)
+    found["differential"]["coupling"] = {"c": differential}
     found["screw joint"] = pair(
         {
             "screw": {"axis": [1, 2, 1], "pitch": -0.5},

@@ -109,13 +109,13 @@ def respond_to_rows(m, d, everything):
             al.add_vec3(d.passed_moment, body_b, al.vec3(d.row_moment_to, row))
             al.add_vec3(d.passed_force, body_b, al.vec3(d.row_force_to, row))
 
-            if m.constraint_from_2[c] >= 0:
-                body_a2 = m.marker_body[m.constraint_from_2[c]]
-                body_b2 = m.marker_body[m.constraint_to_2[c]]
-                al.add_vec3(d.passed_moment, body_a2, al.vec3(d.row_moment_from_2, row))
-                al.add_vec3(d.passed_force, body_a2, al.vec3(d.row_force_from_2, row))
-                al.add_vec3(d.passed_moment, body_b2, al.vec3(d.row_moment_to_2, row))
-                al.add_vec3(d.passed_force, body_b2, al.vec3(d.row_force_to_2, row))
+            for t in range(m.row_term[row] + 1, rows.last_term(m, row)):
+                if rows.body_of_term(m, t) == 0:
+                    from_t, to_t = rows.bodies_of_term(m, t)
+                    al.add_vec3(d.passed_moment, from_t, al.vec3(d.term_moment_from, t))
+                    al.add_vec3(d.passed_force, from_t, al.vec3(d.term_force_from, t))
+                    al.add_vec3(d.passed_moment, to_t, al.vec3(d.term_moment_to, t))
+                    al.add_vec3(d.passed_force, to_t, al.vec3(d.term_force_to, t))
 
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]

@@ -11,7 +11,7 @@ from numba.types import int64
 from .. import joints
 from ..end_frames import touching
 from ..language import apart, inlined, kernel
-from ..motion import coordinates, drives, kinematics, markers
+from ..motion import drives, kinematics, markers
 from ..status import OK
 from ..views import DATA, MODEL
 from . import forward, holding, projection, redundancy, rows, start_positions, start_velocities
@@ -25,10 +25,11 @@ from .projection import (
 @inlined
 def is_linear(m, row):
     """Whether a row couples joints of the tree alone."""
-    if m.row_kind[row] != rows.COUPLING or m.coordinate_kind[m.row_i[row]] != coordinates.IN_TREE:
-        return False
+    for t in range(m.row_term[row], rows.last_term(m, row)):
+        if rows.body_of_term(m, t) == 0:
+            return False
 
-    return m.row_j[row] < 0 or m.coordinate_kind[m.row_j[row]] == coordinates.IN_TREE
+    return m.row_terms[row] > 0
 
 
 @kernel
@@ -63,6 +64,21 @@ def choose_sides(m, d):
             d.row_side[row] = -1.0 if height < 0.0 else 1.0
 
 
+@inlined
+def follows(m, d, row):
+    """The one term of a coupling of the tree whose joint is not known yet; -1: there is none or more than one."""
+    found = -1
+
+    for t in range(m.row_term[row], rows.last_term(m, row)):
+        if d.white[m.body_v[rows.body_of_term(m, t)]] == 0.0:
+            if found >= 0:
+                return -1
+
+            found = t
+
+    return found
+
+
 @kernel
 def spread_couplings(m, d):
     """Joints of the tree that follow from given or driven ones by couplings alone, exactly: these are linear."""
@@ -77,24 +93,24 @@ def spread_couplings(m, d):
         spread = False
 
         for row in range(m.n_row):
-            if not is_linear(m, row) or m.row_j[row] < 0 or d.row_settles[row] > 0.0:
+            if not is_linear(m, row) or d.row_settles[row] > 0.0:
                 continue
 
-            i = m.coordinate_body[m.row_i[row]]
-            j = m.coordinate_body[m.row_j[row]]
-            known_i = d.white[m.body_v[i]] > 0.0
-            known_j = d.white[m.body_v[j]] > 0.0
-            a = m.row_value[2 * row]
-            b = m.row_value[2 * row + 1]
+            last = follows(m, d, row)
 
-            if known_i and not known_j:
-                d.q[m.body_q[j]] = -(m.row_offset[row] + a * d.q[m.body_q[i]]) / b
-                d.white[m.body_v[j]] = 1.0
-                spread = True
-            elif known_j and not known_i:
-                d.q[m.body_q[i]] = -(m.row_offset[row] + b * d.q[m.body_q[j]]) / a
-                d.white[m.body_v[i]] = 1.0
-                spread = True
+            if last < 0:
+                continue
+
+            i = rows.body_of_term(m, last)
+            total = m.row_offset[row]
+
+            for t in range(m.row_term[row], rows.last_term(m, row)):
+                if t != last:
+                    total += m.term_factor[t] * d.q[m.body_q[rows.body_of_term(m, t)]]
+
+            d.q[m.body_q[i]] = -total / m.term_factor[last]
+            d.white[m.body_v[i]] = 1.0
+            spread = True
 
         if not spread:
             return

@@ -394,15 +394,15 @@ def respond_to_rows(m, d, everything):
         add_jacobian(m, d, row, r, b, al.vec3(d.row_moment_to, row), al.vec3(d.row_force_to, row))
 
         if m.row_kind[row] == rows.COUPLING:
-            for i in range(1, m.n_body):
-                if d.held[i] == 0.0:
-                    d.response[at + m.body_v[i]] += rows.effort_on(m, row, i)
+            for t in range(m.row_term[row], rows.last_term(m, row)):
+                i = rows.body_of_term(m, t)
 
-            if m.constraint_from_2[c] >= 0:
-                a = m.marker_body[m.constraint_from_2[c]]
-                b = m.marker_body[m.constraint_to_2[c]]
-                add_jacobian(m, d, row, r, a, al.vec3(d.row_moment_from_2, row), al.vec3(d.row_force_from_2, row))
-                add_jacobian(m, d, row, r, b, al.vec3(d.row_moment_to_2, row), al.vec3(d.row_force_to_2, row))
+                if i > 0:
+                    d.response[at + m.body_v[i]] += m.term_factor[t] if d.held[i] == 0.0 else 0.0
+                elif t > m.row_term[row]:
+                    a, b = rows.bodies_of_term(m, t)
+                    add_jacobian(m, d, row, r, a, al.vec3(d.term_moment_from, t), al.vec3(d.term_force_from, t))
+                    add_jacobian(m, d, row, r, b, al.vec3(d.term_moment_to, t), al.vec3(d.term_force_to, t))
 
         solve_lower(d.mass_matrix, n, d.response, at)
 

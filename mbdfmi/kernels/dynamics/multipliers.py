@@ -11,7 +11,6 @@ from numba.types import boolean, void
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..motion import coordinates
 from ..views import DATA, MODEL
 from . import rows
 
@@ -467,29 +466,27 @@ def row_acceleration(m, d, row):
     total += al.dot(al.vec3(d.row_force_to, row), al.vec3(d.rdd, b))
 
     if m.row_kind[row] == rows.COUPLING:
-        total += coupling_acceleration(m, d, row, c)
+        total += coupling_acceleration(m, d, row)
 
     return total
 
 
 @inlined
-def coupling_acceleration(m, d, row, c):
-    """What a coupling's coordinates in the tree, and the bodies of its second coordinate, add to g''."""
+def coupling_acceleration(m, d, row):
+    """What a coupling's coordinates in the tree, and the bodies of all but its first coordinate, add to g''."""
     total = 0.0
 
-    for side in range(2):
-        k = m.row_i[row] if side == 0 else m.row_j[row]
+    for t in range(m.row_term[row], rows.last_term(m, row)):
+        i = rows.body_of_term(m, t)
 
-        if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE:
-            total += m.row_value[2 * row + side] * d.v_rate[m.body_v[m.coordinate_body[k]]]
-
-    if m.constraint_from_2[c] >= 0:
-        a = m.marker_body[m.constraint_from_2[c]]
-        b = m.marker_body[m.constraint_to_2[c]]
-        total += al.dot(al.vec3(d.row_moment_from_2, row), al.vec3(d.alpha, a))
-        total += al.dot(al.vec3(d.row_force_from_2, row), al.vec3(d.rdd, a))
-        total += al.dot(al.vec3(d.row_moment_to_2, row), al.vec3(d.alpha, b))
-        total += al.dot(al.vec3(d.row_force_to_2, row), al.vec3(d.rdd, b))
+        if i > 0:
+            total += m.term_factor[t] * d.v_rate[m.body_v[i]]
+        elif t > m.row_term[row]:
+            a, b = rows.bodies_of_term(m, t)
+            total += al.dot(al.vec3(d.term_moment_from, t), al.vec3(d.alpha, a))
+            total += al.dot(al.vec3(d.term_force_from, t), al.vec3(d.rdd, a))
+            total += al.dot(al.vec3(d.term_moment_to, t), al.vec3(d.alpha, b))
+            total += al.dot(al.vec3(d.term_force_to, t), al.vec3(d.rdd, b))
 
     return total
 

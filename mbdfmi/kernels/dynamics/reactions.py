@@ -17,11 +17,8 @@ from . import inertia, inverse, rows
 @inlined
 def add_coupling_efforts(m, d, row, factor):
     """Efforts of a coupling, or of a drive of a joint that closes a loop, in the joints that it acts in."""
-    if m.row_i[row] >= 0:
-        coordinates.add_effort(m, d, m.row_i[row], factor * m.row_value[2 * row])
-
-    if m.row_j[row] >= 0:
-        coordinates.add_effort(m, d, m.row_j[row], factor * m.row_value[2 * row + 1])
+    for t in range(m.row_term[row], rows.last_term(m, row)):
+        coordinates.add_effort(m, d, m.term_coordinate[t], factor * m.term_factor[t])
 
 
 @kernel
@@ -171,8 +168,8 @@ def drive_effort(m, d, k):
     effort = 0.0
 
     for row in range(m.n_row):
-        if m.row_kind[row] == rows.COUPLING and m.row_drive[row] >= 0 and m.row_i[row] == k:
-            effort += m.row_value[2 * row] * d.multiplier[row]
+        if m.row_drive[row] >= 0 and m.term_coordinate[m.row_term[row]] == k:
+            effort += m.term_factor[m.row_term[row]] * d.multiplier[row]
 
     return effort
 
@@ -192,7 +189,8 @@ def power_of_drives(m, d):
             power += al.dot(al.vec3(d.bias_force, i), al.vec3(d.rd, i))
 
     for row in range(m.n_row):
-        if m.row_kind[row] == rows.COUPLING and m.row_drive[row] >= 0:
-            power += m.row_value[2 * row] * d.multiplier[row] * coordinates.rate(m, d, m.row_i[row])
+        if m.row_drive[row] >= 0:
+            t = m.row_term[row]
+            power += m.term_factor[t] * d.multiplier[row] * coordinates.rate(m, d, m.term_coordinate[t])
 
     return power

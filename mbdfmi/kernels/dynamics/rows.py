@@ -20,11 +20,11 @@ from ..views import DATA, MODEL
 
 POINT = 0  # d stays normal to axis i of a
 DOT = 1  # axis i of a stays normal to axis j of b
-DISTANCE = 2  # |d| stays value[0]
+DISTANCE = 2  # |d| stays value
 KNIFE = 3  # velocity of b's origin as seen from a has no component along axis j of b
-ROLL_SPHERE = 4  # a sphere of radius value[0] about b's origin rolls on the plane z = 0 of a: component i
-ROLL_DISK = 5  # a thin disk of radius value[0] about z of b rolls there: component i
-COUPLING = 6  # value[0] c_i + value[1] c_j + offset = target of a drive or 0, c joint coordinates
+ROLL_SPHERE = 4  # a sphere of radius value about b's origin rolls on the plane z = 0 of a: component i
+ROLL_DISK = 5  # a thin disk of radius value about z of b rolls there: component i
+COUPLING = 6  # sum of factor c over its terms + offset = target of a drive or 0, c joint coordinates
 CONTACT = 7  # row i of contact j
 
 
@@ -101,35 +101,55 @@ def rolling_contact(kind, radius, A_a, w_a, A_b, w_b):
 
 
 @inlined
-def write_coupling(m, d, row):
-    """A coupling of joint coordinates, or the drive of one: value[0] c_i + value[1] c_j + offset = target of the drive.
+def last_term(m, row):
+    """Beyond a coupling's last term; the first is row_term."""
+    return m.row_term[row] + m.row_terms[row]
 
-    Coordinates in the tree take efforts instead of wrenches (see constraints).
+
+@inlined
+def body_of_term(m, t):
+    """Body whose joint in the tree has the coordinate of term t; 0: the coordinate closes a loop."""
+    return m.coordinate_body[m.term_coordinate[t]]
+
+
+@inlined
+def bodies_of_term(m, t):
+    """Bodies of the first and the second marker of the coordinate of term t, where that closes a loop."""
+    k = m.term_coordinate[t]
+    return m.marker_body[m.coordinate_from[k]], m.marker_body[m.coordinate_to[k]]
+
+
+@inlined
+def write_coupling(m, d, row):
+    """A coupling of joint coordinates, or the drive of one: factor c summed over its terms + offset = target of the drive.
+
+    Coordinates in the tree take efforts instead of wrenches (effort_on). The row's wrenches are those of its first coordinate,
+    those of the others stand with their terms.
     """
-    i = m.row_i[row]
-    j = m.row_j[row]
-    a = m.row_value[2 * row]
-    b = m.row_value[2 * row + 1]
-    gap = m.row_offset[row] + a * coordinates.value(m, d, i)
-    rate = a * coordinates.rate(m, d, i)
-    bias = a * coordinates.bias(m, d, i)
+    gap = m.row_offset[row]
+    rate = 0.0
+    bias = 0.0
     set_row(d, row, al.ZERO3, al.ZERO3, al.ZERO3, al.ZERO3)
 
-    if m.coordinate_kind[i] != coordinates.IN_TREE:
-        moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, i, a)
-        set_row(d, row, moment_a, force_a, moment_b, force_b)
+    for t in range(m.row_term[row], last_term(m, row)):
+        k = m.term_coordinate[t]
+        factor = m.term_factor[t]
+        gap += factor * coordinates.value(m, d, k)
+        rate += factor * coordinates.rate(m, d, k)
+        bias += factor * coordinates.bias(m, d, k)
 
-    if j >= 0:
-        gap += b * coordinates.value(m, d, j)
-        rate += b * coordinates.rate(m, d, j)
-        bias += b * coordinates.bias(m, d, j)
+        if body_of_term(m, t) > 0:
+            continue
 
-        if m.coordinate_kind[j] != coordinates.IN_TREE:
-            moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, j, b)
-            al.set_vec3(d.row_moment_from_2, row, moment_a)
-            al.set_vec3(d.row_force_from_2, row, force_a)
-            al.set_vec3(d.row_moment_to_2, row, moment_b)
-            al.set_vec3(d.row_force_to_2, row, force_b)
+        moment_a, force_a, moment_b, force_b = coordinates.wrenches(m, d, k, factor)
+
+        if t == m.row_term[row]:
+            set_row(d, row, moment_a, force_a, moment_b, force_b)
+        else:
+            al.set_vec3(d.term_moment_from, t, moment_a)
+            al.set_vec3(d.term_force_from, t, force_a)
+            al.set_vec3(d.term_moment_to, t, moment_b)
+            al.set_vec3(d.term_force_to, t, force_b)
 
     if m.row_drive[row] >= 0:
         position, speed, acceleration = drives.target(m, d, m.row_drive[row])
@@ -151,7 +171,7 @@ def start_turns(m, d):
         d.z[coordinates.turn(m, t)] = m.turn_start[t]
 
     for row in range(m.n_row):
-        t = m.coordinate_turn[m.row_i[row]] if m.row_drive[row] >= 0 else -1
+        t = m.coordinate_turn[m.term_coordinate[m.row_term[row]]] if m.row_drive[row] >= 0 else -1
 
         if t >= 0:
             position, _, _ = drives.target(m, d, m.row_drive[row])
@@ -161,16 +181,11 @@ def start_turns(m, d):
 @inlined
 def effort_on(m, row, i):
     """A coupling's effort in the joint of body i, for a unit multiplier; 0 for other rows."""
-    if m.row_kind[row] != COUPLING:
-        return 0.0
-
     effort = 0.0
 
-    for side in range(2):
-        k = m.row_i[row] if side == 0 else m.row_j[row]
-
-        if k >= 0 and m.coordinate_kind[k] == coordinates.IN_TREE and m.coordinate_body[k] == i:
-            effort += m.row_value[2 * row + side]
+    for t in range(m.row_term[row], last_term(m, row)):
+        if body_of_term(m, t) == i:
+            effort += m.term_factor[t]
 
     return effort
 
@@ -260,7 +275,7 @@ def write_rows(m, d):
                         aim_parallel(d, row, turn, e_a, axis_of(A_a, j))
 
             elif kind == DISTANCE:
-                length = m.row_value[2 * row]
+                length = m.row_value[row]
                 u = al.scale(1.0 / length, span)
                 v = al.sub(v_b, markers.velocity(m, d, a))
                 lever = markers.arm(m, d, a)
@@ -287,7 +302,7 @@ def write_rows(m, d):
 
             else:
                 u = axis_of(A_a, i)
-                radius = d.row_side[row] * m.row_value[2 * row]
+                radius = d.row_side[row] * m.row_value[row]
                 to_contact, to_contact_rate = rolling_contact(kind, radius, A_a, w_a, A_b, w_b)
                 r_c = al.add(r_b, to_contact)
                 v_c = al.add(v_b, to_contact_rate)

@@ -189,11 +189,9 @@ def unwind(m, d):
             d.white[m.body_v[i]] = 1.0
 
     for row in range(m.n_row):
-        for k in range(2):
-            c = m.row_i[row] if k == 0 else m.row_j[row]
-
-            if m.row_kind[row] == rows.COUPLING and c >= 0 and m.coordinate_kind[c] == coordinates.IN_TREE:
-                d.white[m.body_v[m.coordinate_body[c]]] = 0.0
+        for t in range(m.row_term[row], rows.last_term(m, row)):
+            if rows.body_of_term(m, t) > 0:
+                d.white[m.body_v[rows.body_of_term(m, t)]] = 0.0
 
     for i in range(1, m.n_body):
         if m.body_joint[i] == joints.REVOLUTE and d.white[m.body_v[i]] > 0.0:

@@ -181,12 +181,11 @@ class Instant:
         """What the scene leaves to the start."""
         started = self.system.started
         started["q"] = dict(self.q)
-        started["offset"] = {}
+        started["constant"] = {}
         started["length"] = {}
 
         for name, coupling in self.system.couplings.items():
-            first, second = (self.q[joint][0] for joint in coupling.between)
-            started["offset"][name] = second - coupling.ratio * first
+            started["constant"][name] = coupling.factors @ [self.q[joint][0] for joint in coupling.between]
 
         for name, joint in self.system.joints.items():
             if joint.kind == "distance":
@@ -393,23 +392,15 @@ class Instant:
                 add(("driver", name), J[0], q_bias[0] - (acceleration or 0.0), q[0] - x, q_rate[0] - speed)
 
         for name, coupling in self.system.couplings.items():
-            (q1, b1, J1, d1), (q2, b2, J2, d2) = (
-                (
-                    self.q[j][0],
-                    self.values["coordinates", j][2][0],
-                    self.values["coordinates", j][3][0],
-                    self.rate[j][0],
-                )
-                for j in coupling.between
-            )
-            ratio = coupling.ratio
-            offset = self.system.started["offset"][name] if coupling.offset is None else coupling.offset
+            factors, constant = coupling.factors, coupling.constant
+            constant = self.system.started["constant"][name] if constant is None else constant
+            coordinates = [self.values["coordinates", j] for j in coupling.between]
             add(
                 ("coupling", name),
-                J2 - ratio * J1,
-                b2 - ratio * b1,
-                q2 - ratio * q1 - offset,
-                d2 - ratio * d1,
+                factors @ [c[3][0] for c in coordinates],
+                factors @ [c[2][0] for c in coordinates],
+                factors @ [self.q[j][0] for j in coupling.between] - constant,
+                factors @ [self.rate[j][0] for j in coupling.between],
             )
 
         width = self.system.width

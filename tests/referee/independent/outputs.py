@@ -48,7 +48,7 @@ def _told(system, now, x):
 
     for name in system.couplings:
         multiplier = multipliers[now.rows_of["coupling", name][0]]
-        efforts = multiplier * np.array([-system.couplings[name].ratio, 1.0])
+        efforts = multiplier * system.couplings[name].factors
         _put(told, dotted(name), {"efforts": efforts}, system.data["coupling"][name])
 
     for e in system.elements.values():
@@ -227,7 +227,7 @@ def _coupled(system, now, joint, multipliers):
         multiplier = multipliers[now.rows_of["coupling", name][0]]
         effort += sum(
             multiplier * factor
-            for other, factor in zip(coupling.between, (-coupling.ratio, 1.0))
+            for other, factor in zip(coupling.between, coupling.factors)
             if other == joint
         )
 

@@ -45,21 +45,25 @@ class Joint:
 
 
 class Coupling:
-    """The second joint's coordinate is ratio times the first one's plus an offset; None:
-    that of the start."""
+    """Factors times coordinates add up to a constant; None: to what they are at the start."""
 
     def __init__(self, name, table):
         kind = kind_of(table, COUPLINGS)
         spec = table[kind]
         self.name, self.between = name, table["between"]
-        self.ratio = (
+
+        if "coefficients" in spec:
+            self.factors, self.constant = np.array(spec["coefficients"], float), spec.get("constant")
+            return
+
+        ratio = (
             spec["radius"]
             if kind == "rack"
             else spec["pitch"] / (2 * np.pi)
             if kind == "screw"
             else spec["ratio"]
         )
-        self.offset = si(spec, "offset")
+        self.factors, self.constant = np.array([-ratio, 1.0]), si(spec, "offset")
 
 
 class System:

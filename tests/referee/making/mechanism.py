@@ -340,6 +340,8 @@ class Mechanism:
                 first, second = second, first
             if first is second or (first.driven and second.driven):
                 continue
+            if len(joints) > 2 and dice.chance(0.2):
+                return self._couple_many(joints)
 
             ratio = dice.signed(0.3, 3.0)
             if second.fast and dice.chance(0.7):
@@ -363,6 +365,25 @@ class Mechanism:
                 return True
 
         return False
+
+    def _couple_many(self, joints):
+        """A linear coupling of three or more joints of one freedom."""
+        dice = self.dice
+        chosen = dice.some(joints, 3)[:5]
+        factors = [dice.signed(0.3, 3.0) for _ in chosen]
+        row = sum(factor * self.row(joint) for factor, joint in zip(factors, chosen))
+        rate = 0.0 if all(self.still(joint) is not None for joint in chosen) else None
+        if all(joint.driven for joint in chosen) or not self.restrict(row[None], [rate]):
+            return False
+
+        options = {"coefficients": factors}
+        if dice.chance(self.taste["offset"]):
+            constant = sum(factor * joint.value for factor, joint in zip(factors, chosen))
+            misfit = dice.number(-0.2, 0.2) if dice.chance(self.taste["misfit"]) else 0.0
+            options["constant"] = constant + misfit
+        name = self.names.new(names.COUPLINGS)
+        self.coupling[name] = {"linear": options, "between": [joint.name for joint in chosen]}
+        return True
 
     def _coupling_kind(self, first, second):
         pair = first.kind, second.kind
