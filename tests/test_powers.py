@@ -220,7 +220,8 @@ def test_every_force_element_accounts_for_its_power_interpreted():
 
 
 def test_there_are_elements_with_powers():
-    """Those above: nothing is proved of an empty list; central gravity's is asked in test_outputs."""
+    """Those above: nothing is proved of an empty list; central gravity's is asked in test_outputs, its gradient's in
+    test_gravity_gradient."""
     names = {module.__name__.rpartition(".")[2] for module in ELEMENTS}
     assert {"joint_springs", "friction", "stops", "struts", "six_by_six", "loads", "effort_inputs", "wrench_inputs"} <= names
 

@@ -84,7 +84,7 @@ def add_settings(builder):
     }
 
     if central := builder.scene.central_gravity:
-        builder.tables["n_central"].add(central_mu=central.mu)
+        builder.tables["n_central"].add(central_mu=central.mu, central_gradient=central.gradient)
         about = "weight -mu r / |r|^3 per mass, r from the inertial origin"
         builder.add_parameters("central_gravity.mu", Place("central_mu"), central.mu, "m3/s2", about)
     else:

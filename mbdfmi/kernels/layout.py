@@ -123,6 +123,7 @@ ARRAYS = (
     Array("effort_coordinate", "ints", 1, "n_effort_input", "coordinate it acts along"),
     Array("effort_u", "ints", 1, "n_effort_input", "input"),
     Array("load_marker", "ints", 1, "n_load", "marker it acts on"),
+    Array("central_gradient", "ints", 1, "n_central", "1: its gradient acts on bodies by their inertia"),
     Array("load_axes", "ints", 1, "n_load", "marker in whose axes it is given, 0: inertial"),
     Array("load_force_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
     Array("load_moment_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),

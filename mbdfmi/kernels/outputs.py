@@ -8,7 +8,7 @@ import math
 from . import forces
 from .dynamics import inertia, reactions
 from .end_frames import touching
-from .forces import central_gravity, friction, joint_springs, loads, six_by_six, stops, struts
+from .forces import central_gravity, friction, gravity_gradient, joint_springs, loads, six_by_six, stops, struts
 from .language import inlined, kernel
 from .math import algebra as al
 from .motion import coordinates, markers
@@ -276,7 +276,7 @@ def write_scene_output(m, d, kind, at, y):
             energy += inertia.kinetic_energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != SPRING_ENERGY:
-            energy += inertia.gravity_energy(m, d) + central_gravity.energy(m, d)
+            energy += inertia.gravity_energy(m, d) + central_gravity.energy(m, d) + gravity_gradient.energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != GRAVITY_ENERGY:
             energy += forces.stored_energy(m, d)

@@ -9,7 +9,7 @@ from .bodies import Body, Ground
 from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
 from .errors import SceneError
-from .fields import OneOf, Part, Positive, SomeOf, Tolerance, Vector, given
+from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given
 from .forces import Force
 from .joints import Joint
 from .measures import Measure
@@ -84,9 +84,16 @@ def _order(path, data):
 
 
 class CentralGravity(Part):
-    """Weight -mu r / |r|^3 per mass, r from the inertial origin. mu : m3/s2."""
+    """Weight -mu r / |r|^3 per mass, r from the inertial origin.
+
+    mu : m3/s2.
+    gradient : whether bodies feel that their near side is drawn more than their far side, to the second order of their size: the
+        moment 3 mu r x I r / |r|^5 about the centre of mass, I the inertia about it, and what that means for the weight. False: all
+        weight acts at the centre of mass. For satellites; bodies must be small beside their distance from the origin.
+    """
 
     mu: Positive = Field(description="mu in m3/s2, of the earth 3.986e14")
+    gradient: Boolean = False
 
 
 def _gravity(data):

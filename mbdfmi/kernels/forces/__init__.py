@@ -21,6 +21,7 @@ from . import (
     central_gravity,
     effort_inputs,
     friction,
+    gravity_gradient,
     joint_springs,
     loads,
     six_by_six,
@@ -48,6 +49,7 @@ def apply(m, d):
     wrench_inputs.add(m, d)
     loads.add(m, d)
     central_gravity.add(m, d)
+    gravity_gradient.add(m, d)
 
 
 @kernel
