@@ -13,7 +13,7 @@ import numpy as np
 
 from mbdfmi import Scene, SceneError
 
-from .making import forces, frames, kinds, motions, names, telling
+from .making import forces, frames, kinds, later, motions, names, telling
 from .making.bodies import SORTS
 from .making.dice import Dice
 from .making.mechanism import Mechanism
@@ -172,6 +172,7 @@ def _scene(dice, taste, seed):
         table = forces.force(dice, mechanism, dice.weighted(taste["force kinds"]), taste)
         drawn[mechanism.names.new(names.FORCES)] = table
 
+    later.add(seed, mechanism, drawn, gravity)
     data = {"name": f"random {seed}"} | telling.texts(dice) | gravity
     teller = telling.Teller(dice, taste)
     solver = telling.solver(dice)

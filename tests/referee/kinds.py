@@ -183,6 +183,19 @@ def efforts():
                 },
             )
 
+    for k, ground in enumerate(({}, {"motion": {"rotation": {"axis": [1, 1, 3], "speed_deg": 80}}})):
+        found[f"rotors {k}"] = pair(
+            hinge(turning={"inertia": 0.02, "ratio": -12.0}, damper=0.1, start={"angle": 0.4, "speed": 1.0}, input="torque"),
+            slide(turning={"inertia": 0.03, "ratio": 9.0}, start={"position": 0.1, "speed": -0.6}),
+            ground=ground,
+        )
+        driver = {"driver": {"harmonic": {"amplitude": 0.4, "frequency": 1.2}}}
+        found[f"driven rotors, backwards {k}"] = pair(
+            slide(turning={"inertia": 0.02, "ratio": -12.0}, between=["a", "ground.post"], **(driver if k else {})),
+            hinge(turning={"inertia": 0.03, "ratio": 9.0}, between=["b.side", "a.end"], **({} if k else driver)),
+            ground=ground,
+        )
+
     friction = {"coulomb": 0.7, "static": 1.1, "stribeck_speed": 0.3, "viscous": 0.2, "smoothing_speed": 0.15}
 
     for q, v in ((0.7, 0.9), (0.7, -3.0), (-0.9, -0.4), (-0.9, 4.0), (0.1, 0.05)):
@@ -271,6 +284,16 @@ def forces():
         joint={"f": {"free": {}, "between": ["a.tip", "ground"], "start": start}},
     )
     del found["central"]["gravity"]
+    found["central, with its gradient"] = found["central"] | {"central_gravity": {"mu": 9.0, "gradient": True}}
+    turns = {"position_deg": [-900.0, 0.0, 60.0, 900.0], "effort": [-9.0, 0.0, 2.0, 11.0], "interpolation": "monotone"}
+
+    for k, options in enumerate(({"stiffness": 3, "rest_deg": 500, "damping": 0.3}, {"table": turns})):
+        found[f"torsion {k}"] = pair(
+            hinge(start={"angle": 0.4, "speed": 9.0}),
+            slide(start={"speed": 0.2}),
+            force={"bar": {"torsion": options, "between": ["ground.post", "b.end"][:: (-1) ** k]}},
+        )
+
     return found
 
 

@@ -60,6 +60,9 @@ def all_told(data):
     for force in data.get("force", {}).values():
         force["output"] = ["power"] if "load" in force else SIX
 
+        if "torsion" in force:
+            force["output"] = ["angle", "rate", "moment", "spring_moment", "damper_moment", "power"]
+
         if "spring_damper" in force:
             force["output"] = ["length", "rate", "tension", "spring_force", "damper_force", "power"]
             force["output"] = force["output"] + (["input_force"] if force.get("input") else ["force"])

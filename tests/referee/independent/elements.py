@@ -4,7 +4,7 @@ import numpy as np
 
 from .efforts import Elastic
 from .interpolation import Table
-from .reading import cross, dotted, listed
+from .reading import cross, dotted, listed, si
 
 
 def matrix6(values):
@@ -42,6 +42,28 @@ class Strut:
     def tensions(self, length, rate, pulled):
         """Tensions (N) of spring, damper and input."""
         return self.spring(length), self.damper(rate), pulled
+
+
+class Torsion:
+    """A spring and a damper along the twist of the second frame in the first."""
+
+    kind = "torsion"
+
+    def __init__(self, given, name, force):
+        spec = force["torsion"]
+        self.name, self.ends = name, force["between"]
+        damping = spec.get("damping", 0.0)
+
+        if spec.get("table") is not None:
+            self.spring = Elastic(table=spec["table"])
+        else:
+            rest = given(si(spec, "rest", 0.0), name, "rest")
+            self.spring = Elastic(given(spec["stiffness"], name, "stiffness"), rest)
+
+        if isinstance(damping, dict):
+            self.damper = Elastic(table=damping["table"], keys=("speed", "effort"))
+        else:
+            self.damper = Elastic(given(damping, name, "damping"))
 
 
 class Six:
@@ -147,4 +169,5 @@ def element(given, name, force):
     if "load" in force:
         return Load(given, name, force)
 
-    return (Strut if "spring_damper" in force else Six)(given, name, force)
+    kinds = {"spring_damper": Strut, "torsion": Torsion}
+    return next((kinds[kind] for kind in kinds if kind in force), Six)(given, name, force)

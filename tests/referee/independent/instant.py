@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from .equations import SIX
 from .joints import is_turned_over
-from .reading import cross, dotted, listed, si
+from .reading import axis, cross, dotted, listed, si
 
 # singular values of the scaled system below this part of the largest are none
 RANK = 1e-11
@@ -218,7 +218,8 @@ class Instant:
             self._add_joint(name, joint)
 
         for e in system.elements.values():
-            {"spring_damper": self._add_strut, "load": self._add_load}.get(e.kind, self._add_six)(e)
+            adders = {"spring_damper": self._add_strut, "load": self._add_load, "torsion": self._add_torsion}
+            adders.get(e.kind, self._add_six)(e)
 
         for name, body in system.data.get("body", {}).items():
             for path, table in (
@@ -247,6 +248,10 @@ class Instant:
             weight = weight - self.system.mu * mass * place / np.linalg.norm(place) ** 3
 
         self.weight[at] += np.concatenate([weight, cross(c, weight)])
+
+        if self.system.gradient and mass > 0:
+            moment, force = gradient(self.system.mu, place, A @ inertia @ A.T)
+            self.weight[at] += np.concatenate([force, moment + cross(c, force)])
 
     def _add_joint(self, name, joint):
         """Efforts along the joint's coordinates, and torques of a spherical one."""
@@ -284,6 +289,39 @@ class Instant:
 
         self.efforts[name] = efforts
 
+        if joint.rotor:
+            self._add_rotor(name, joint)
+
+    def rotor(self, name):
+        """Of a joint with a rotor: (J, n, axis, the host's angular velocity along it by all accelerations)."""
+        joint = self.system.joints[name]
+        owner = self.system.end(joint.ends[0])[0]
+        _, A, _, _ = self.frame(joint.ends[0])
+        along = A @ axis(joint.options.get("axis", "z"))
+        host = np.zeros(self.system.width)
+
+        if owner != "inertial":
+            host[self.system.place[owner]][3:] = along
+
+        return *joint.rotor, along, host
+
+    def _add_rotor(self, name, joint):
+        """It turns with n times the joint's rate relative to its host, which has it as if locked."""
+        J, n, along, host = self.rotor(name)
+        C, bias = self.values["coordinates", name][3][0], self.values["coordinates", name][2][0]
+        self.M += n * n * J * np.outer(C, C) + n * J * (np.outer(C, host) + np.outer(host, C))
+        self.bias += n * n * J * bias * C + n * J * bias * host
+        w, owner = self.frame(joint.ends[0])[3], self.system.end(joint.ends[0])[0]
+
+        if owner != "inertial":
+            self.bias[self.system.place[owner]][3:] += n * J * self.rate[name][0] * cross(w, along)
+
+    def rotor_effort(self, name, acceleration):
+        """What the rotor takes of the efforts along its joint's coordinate."""
+        J, n, _, host = self.rotor(name)
+        _, _, bias, C = self.values["coordinates", name]
+        return n * n * J * (C[0] @ acceleration + bias[0]) + n * J * host @ acceleration
+
     def _add_strut(self, e):
         (r1, _, v1, _), (r2, _, v2, _) = (self.frame(end) for end in e.ends)
         length = np.linalg.norm(r2 - r1)
@@ -319,6 +357,14 @@ class Instant:
             self.M += J_seen.T @ A @ J_seen
             self.bias += J_seen.T @ (A @ bias + h)
             e.mass_now = A, J_seen
+
+    def _add_torsion(self, e):
+        moved, moving_, _, J = self.values["moved", e.name]
+        near = self.hints.number(e.name, "angle") or 0.0
+        angle = moved[5] + 2 * np.pi * np.round((near - moved[5]) / (2 * np.pi))
+        e.now = angle, moving_[5], (-e.spring(angle), -e.damper(moving_[5]))
+        self.pull += sum(e.now[2]) * J[5]
+        self.dissipated -= e.now[2][1] * moving_[5]
 
     def _add_load(self, e):
         _, A, v, w = self.frame(e.ends[0])
@@ -460,6 +506,14 @@ class Instant:
         weights = np.cos(1.0 + np.arange(len(self.open)))
         way = weights @ self.open
         return self.x + way * max(1.0, np.abs(self.x).max()) / np.abs(way).max()
+
+
+def gradient(mu, r, inertia):
+    """(moment about the centre of mass at r, force) of -mu / (2 |r|^3) (tr I - 3 e . I e), e = r / |r|."""
+    length = np.linalg.norm(r)
+    e = r / length
+    slope = (np.trace(inertia) - 5 * e @ inertia @ e) * e + 2 * inertia @ e
+    return 3 * mu / length**3 * cross(e, inertia @ e), -1.5 * mu / length**4 * slope
 
 
 def _body_matrix(mass, c, J):

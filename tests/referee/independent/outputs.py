@@ -190,6 +190,9 @@ def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
         values |= {f"{part}_effort": effort for part, effort in efforts.items()}
         along += _coupled(system, now, joint.name, multipliers)
 
+        if joint.rotor:
+            along -= now.rotor_effort(joint.name, acceleration)
+
     values |= _reaction(system, now, joint, along, multipliers)
     _put(told, dotted(joint.name), values, system.data["joint"][joint.name])
 
@@ -197,7 +200,7 @@ def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
 def _reaction(system, now, joint, along, multipliers):
     """The wrench of all that is in the joint on its second marker, in the first one's axes and in its own.
 
-    along : effort of driver and couplings along its coordinate.
+    along : effort of driver and couplings along its coordinate, less what a rotor takes.
     """
     other, owner = (system.end(end)[0] for end in joint.ends)
 
@@ -237,6 +240,10 @@ def _coupled(system, now, joint, multipliers):
 def _tell_element(told, e, table):
     if e.kind == "load":
         values = {"power": e.now}
+    elif e.kind == "torsion":
+        angle, rate, (spring, damper) = e.now
+        values = {"angle": angle, "rate": rate, "spring_moment": spring, "damper_moment": damper}
+        values |= {"moment": spring + damper, "power": (spring + damper) * rate}
     elif e.kind == "spring_damper":
         length, rate, parts = e.now
         values = dict(zip(("spring_force", "damper_force", "input_force"), parts))
@@ -269,12 +276,18 @@ def _tell_scene(told, system, now, acceleration, multipliers):
         gravity -= mass * system.gravity @ place + (
             system.mu * mass / np.linalg.norm(place) if system.mu else 0.0
         )
+
+        if system.gradient and mass > 0:
+            e, length = place / np.linalg.norm(place), np.linalg.norm(place)
+            own = A @ inertia @ A.T
+            gravity -= system.mu / (2 * length**3) * (np.trace(own) - 3 * e @ own @ e)
+
         linear = linear + mass * speed
         angular = angular + cross(place, mass * speed) + spin
         centre, total = centre + mass * place, total + mass
 
     for e in system.elements.values():
-        if e.kind == "spring_damper":
+        if e.kind in ("spring_damper", "torsion"):
             spring += e.spring.energy(e.now[0])
         elif e.kind != "load":
             spring += e.energy(e.now[2])
@@ -290,6 +303,11 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     for name, joint in system.joints.items():
         if joint.parts:
             spring += joint.parts.energy(now.q[name][0])
+
+        if joint.rotor:
+            (J, n, along, _), rate = now.rotor(name), now.rate[name][0]
+            kinetic += n * n * J * rate**2 / 2 + n * J * rate * along @ now.frame(joint.ends[0])[3]
+            angular = angular + n * J * rate * along
 
     ground = _on_ground(now, acceleration, multipliers)
     _, A, v, w, *_ = now.motions["ground"]

@@ -31,6 +31,8 @@ class Joint:
         self.inputs = listed(table.get("input"))
         self.start = table.get("start") or {}
         self.driver = None
+        turning = table.get("turning")
+        self.rotor = turning and tuple(given(turning[key], name, "turning", key) for key in ("inertia", "ratio"))
 
         if table.get("driver"):
             self.driver = Driver(given, name, table["driver"], joints.SINGLE[self.kind])
@@ -91,6 +93,7 @@ class System:
 
         central = data.get("central_gravity")
         self.mu = given(central["mu"], "central_gravity", "mu") if central else 0.0
+        self.gradient = bool(central and central.get("gradient"))
         gravity = data.get("gravity", [0.0, 0.0, 0.0] if central else [0.0, 0.0, -9.81])
         self.gravity = given(np.array(gravity, float), "gravity")
         self.ground = Ground((data.get("ground") or {}).get("motion"))
@@ -102,7 +105,7 @@ class System:
             for name, joint in self.joints.items() if joint.kind in ("point_on_curve", "curve_on_curve",
                                                                      "point_on_surface")
         }  # fmt: skip
-        self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing")]
+        self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing", "torsion")]
         self.n_s = sum(contact.count for contact in self.contacts.values())
         self.width = 6 * len(self.owners) + self.n_s
         self.started = None

@@ -27,6 +27,7 @@ MEASURES = (
     "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx",
     "zyx_rate", "omega",
 )  # fmt: skip
+TORSION = ("rate", "moment", "spring_moment", "damper_moment", "power")
 STRUT = ("length", "rate", "tension", "spring_force", "damper_force", "power")
 
 
@@ -64,6 +65,9 @@ class Teller:
         """Of a force."""
         if "load" in table:
             return self.output(["power"])
+        if "torsion" in table:
+            # without the angle nobody can tell its turns
+            return {"output": ["angle", *TORSION]}
         if "spring_damper" in table:
             return self.output([*STRUT, "input_force" if table.get("input") else "force"])
         return self.output(forces.WRENCH)
