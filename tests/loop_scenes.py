@@ -28,6 +28,8 @@ LOOP = TREE | {
     "rolling_sphere": 3,
     "rolling_disk": 3,
     "knife_edge": 5,
+    "constant_velocity": 2,
+    "angle": 5,
 }
 del LOOP["free"]
 
@@ -106,6 +108,13 @@ def random_joint(kind, rng):
         pose = (q[:3], turn) if kind == "distance" else IDENTITY
     elif kind == "knife_edge":
         options = {"lateral": axis.tolist()}
+        pose = q[:3], turn
+    elif kind == "constant_velocity":
+        normal = np.cross(axis, q[:3])
+        pose = np.zeros(3), about(normal / np.linalg.norm(normal), q[3])
+    elif kind == "angle":
+        other = unit(rng)
+        options = {"axes": [axis.tolist(), other.tolist()], "angle_deg": np.degrees(np.arccos(axis @ turn @ other))}
         pose = q[:3], turn
     elif kind == "rolling_sphere":
         options = {"radius": rng.uniform(0.2, 1.0)}

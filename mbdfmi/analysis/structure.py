@@ -128,7 +128,7 @@ def _equation(mechanism, row, place) -> Equation:
 
     force, moment = place.force[row], place.moment[row]
 
-    if mechanism.m.row_kind[row] == rows.DOT:
+    if mechanism.m.row_kind[row] in (rows.DOT, rows.TWIST):
         return Equation(owner, f"rotation {_along('about', moment[:, None])}")
 
     rolling = mechanism.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)

@@ -107,7 +107,7 @@ class Constraint:
     markers : of the joint, or of the first coordinate (0 where that is in the tree).
     nodes : that it acts on.
     rows : (kind in kernels/dynamics/rows.py, two indices of what it is about).
-    value : m, that the rows keep. terms : of a coupling its coordinates and their factors. offset : of it. drive : -1 without.
+    value : m or a cosine, that the rows keep. terms : of a coupling its coordinates and their factors. offset : of it. drive : -1 without.
     at_start : the numbers are those at the start, once all else is closed.
     """
 

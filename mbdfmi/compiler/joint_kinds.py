@@ -55,7 +55,7 @@ class JointKind:
     rows : (kind, axis of the first marker, axis of the second) of each equation when it closes a loop; what is about positions
         comes first: where rows repeat each other, those about velocities alone go.
     turns : joint -> rotation matrices (3, 3) that bring the axes of its two markers to those that the rows are about.
-    value : joint -> what the rows keep, m; None: the distance of its ends at the start.
+    value : joint -> what the rows keep, m or a cosine; None: the distance of its ends at the start.
     frame : joint, k -> (turn (3, 3) of the markers' axes, (which marker is seen from, which is seen)) by which coordinate k is read
         off between the markers where the joint is not in the tree: along or about their z.
     """
@@ -144,6 +144,12 @@ JOINT_KINDS = {
         value=lambda joint: joint.radius,
     ),
     "knife_edge": JointKind(rows=((rows.KNIFE, 0, 2),)),
+    "constant_velocity": JointKind(rows=(*TOGETHER, (rows.TWIST, 2, 2))),
+    "angle": JointKind(
+        rows=((rows.DOT, 2, 2),),
+        turns=lambda joint: [axes_with_z(axis) for axis in joint.axes],
+        value=lambda joint: joint.cosine,
+    ),
     "point_on_curve": JointKind(rows=((rows.CONTACT, 0, 0), (rows.CONTACT, 1, 0)), turns=_as_they_are),
     "curve_on_curve": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
     "point_on_surface": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),

@@ -231,7 +231,7 @@ ARRAYS = (
     Array("load_force", "reals", 3, "n_load", "N"),
     Array("load_moment", "reals", 3, "n_load", "N m"),
     Array("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
-    Array("row_value", "reals", 1, "n_row", "m: length, radius"),
+    Array("row_value", "reals", 1, "n_row", "m: length, radius; or cosine of an angle"),
     Array("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Array("term_factor", "reals", 1, "n_term", "of the coordinate"),
     Array("drive_value", "reals", 16, "n_drive", "see motion/drives.py"),

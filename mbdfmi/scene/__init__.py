@@ -5,6 +5,8 @@ A user meets them as `mbdfmi.Scene`, which can also be run and exported.
 
 from .bodies import Body, Ground, GroundMarker, Marker
 from .constraints import (
+    Angle,
+    ConstantVelocity,
     Distance,
     KnifeEdge,
     PointOnLine,
@@ -36,7 +38,7 @@ from .schema import SceneData, Solver
 from .writer import write_scene
 
 __all__ = [
-    "Body", "Bushing", "Coupling", "CurveOnCurve", "Cylindrical", "Distance", "Fixed", "Force",
+    "Angle", "Body", "Bushing", "ConstantVelocity", "Coupling", "CurveOnCurve", "Cylindrical", "Distance", "Fixed", "Force",
     "Free", "Gear", "Ground", "GroundMarker", "Joint", "KnifeEdge", "Linear", "LinearCoupling",
     "Load", "Marker", "Measure", "Planar", "PointOnCurve", "PointOnLine", "PointOnPlane",
     "PointOnSurface", "Prismatic", "Problem", "Rack", "Revolute", "RollingDisk", "RollingSphere",

@@ -1,12 +1,14 @@
 """Joints that only take freedoms away, from bodies which other joints lead to the ground."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from pydantic import Field
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from ..vocabulary import REACTIONS
-from .fields import Axis, Part, Positive, SomeOf
-from .joint_base import AxisOptions, Constraint, NormalOptions
+from .errors import show
+from .fields import Axis, Number, Part, Positive, SomeOf, in_si, unit_vector
+from .joint_base import AxisOptions, Constraint, NormalOptions, two_axes
 
 
 class PointOnPlane(Constraint):
@@ -107,4 +109,52 @@ class KnifeEdge(Constraint):
     output: SomeOf(*REACTIONS) = []
 
 
-CONSTRAINTS = (PointOnPlane, PointOnLine, Distance, RollingSphere, RollingDisk, KnifeEdge)
+class ConstantVelocity(Constraint):
+    """A constant-velocity joint between two shafts that turn equally fast at any bend, as Rzeppa's.
+
+    The markers' origins stay together. The joint's axis is that of the shafts; the markers' axes are parallel where it is
+    straight. It only takes freedoms away: bearings, or a free joint, lead the shafts to the ground.
+    """
+
+    kind: ClassVar[str] = "constant_velocity"
+
+    constant_velocity: AxisOptions
+    output: SomeOf(*REACTIONS) = []
+
+
+def _oblique(value):
+    if not 0.0 < value < 180.0:
+        raise ValueError(f"must be between 0 and 180 deg: axes that are parallel take two freedoms; found {show(value)}")
+    return value
+
+
+class AngleOptions(Part):
+    """angle_deg : between the axes, from above 0 to below 180.
+
+    axes : of the first and of the second marker.
+    """
+
+    angle_deg: Annotated[Number, AfterValidator(_oblique)] = Field(description="angle in deg")
+    axes: Annotated[tuple[Axis, Axis], BeforeValidator(two_axes)] = ("z", "z")
+
+
+class Angle(Constraint):
+    """An axis of the first marker and one of the second keep their angle."""
+
+    kind: ClassVar[str] = "angle"
+
+    angle: AngleOptions
+    output: SomeOf(*REACTIONS) = []
+
+    @property
+    def axes(self):
+        """The unit vectors (3,) of the two axes, each in its marker."""
+        return [unit_vector(item) for item in self.angle.axes]
+
+    @property
+    def cosine(self):
+        """Of the angle between them."""
+        return np.cos(in_si(self.angle, "angle"))
+
+
+CONSTRAINTS = (PointOnPlane, PointOnLine, Distance, RollingSphere, RollingDisk, KnifeEdge, ConstantVelocity, Angle)

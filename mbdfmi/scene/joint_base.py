@@ -6,7 +6,8 @@ import numpy as np
 from pydantic import Field
 
 from .ends import BETWEEN, Between
-from .fields import Axis, Part, unit_vector
+from .errors import show
+from .fields import Axis, Part, axis, unit_vector
 from .starts import RATES, Start
 
 
@@ -14,6 +15,13 @@ class AxisOptions(Part):
     """axis : of the joint, in both markers' frames alike."""
 
     axis: Axis = "z"
+
+
+def two_axes(value):
+    """Two axes (a tuple), or ValueError."""
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise ValueError(f'needs two axes, as in ["x", "y"]; found {show(value)}')
+    return tuple(axis(item) for item in value)
 
 
 class NormalOptions(Part):

@@ -40,13 +40,12 @@ from .fields import (
     Number,
     Part,
     SomeOf,
-    axis,
     by_key,
     number_or,
     plane_axes,
     unit_vector,
 )
-from .joint_base import AxisOptions, JointBase, NormalOptions, Plain
+from .joint_base import AxisOptions, JointBase, NormalOptions, Plain, two_axes
 from .starts import (
     CylindricalStart,
     FreeStart,
@@ -206,20 +205,17 @@ class Cylindrical(Plain):
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
 
-def _two_axes(value):
-    if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise ValueError(f'needs two axes, as in ["x", "y"]; found {show(value)}')
-
-    first, second = axes = [axis(item) for item in value]
+def _perpendicular(value):
+    first, second = axes = two_axes(value)
     if abs(unit_vector(first) @ unit_vector(second)) > 1e-6:
         raise ValueError(f"{show(first)} and {show(second)} are not perpendicular")
-    return tuple(axes)
+    return axes
 
 
 class UniversalOptions(Part):
     """axes : of the cross, the first as it is in the first marker, the second in the second."""
 
-    axes: Annotated[tuple[Axis, Axis], BeforeValidator(_two_axes)] = ("x", "y")
+    axes: Annotated[tuple[Axis, Axis], BeforeValidator(_perpendicular)] = ("x", "y")
 
 
 class Universal(Plain):

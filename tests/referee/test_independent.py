@@ -88,7 +88,7 @@ def test_random_trees(seed):
 
 LOOPS = ("revolute", "universal", "spherical", "cylindrical", "screw", "planar", "distance", "point_on_line",
          "point_on_plane",
-         "knife_edge", "rolling_sphere", "rolling_disk")  # fmt: skip
+         "knife_edge", "constant_velocity", "angle", "rolling_sphere", "rolling_disk")  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", LOOPS)

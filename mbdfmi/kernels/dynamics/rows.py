@@ -19,13 +19,14 @@ from ..motion import coordinates, drives, markers
 from ..views import DATA, MODEL
 
 POINT = 0  # d stays normal to axis i of a
-DOT = 1  # axis i of a stays normal to axis j of b
+DOT = 1  # the cosine of the angle from axis i of a to axis j of b stays value: 0, normal to each other
 DISTANCE = 2  # |d| stays value
 KNIFE = 3  # velocity of b's origin as seen from a has no component along axis j of b
 ROLL_SPHERE = 4  # a sphere of radius value about b's origin rolls on the plane z = 0 of a: component i
 ROLL_DISK = 5  # a thin disk of radius value about z of b rolls there: component i
 COUPLING = 6  # sum of factor c over its terms + offset = target of a drive or 0, c joint coordinates
 CONTACT = 7  # row i of contact j
+TWIST = 8  # b's axes are a's turned about a direction normal to z: no twist
 
 
 @inlined
@@ -226,6 +227,30 @@ def aim_parallel(d, row, turn, e_i, e_j):
     set_residuals(d, row, al.dot(turn, u), 0.0, 0.0)
 
 
+@inlined
+def write_twist(d, row, A_a, A_b, w_a, w_b):
+    """No twist from a to b about z: x_a . y_b = y_a . x_b (docs/theory.md 9.3)."""
+    x_a = al.column(A_a, 0)
+    y_a = al.column(A_a, 1)
+    x_b = al.column(A_b, 0)
+    y_b = al.column(A_b, 1)
+    w = al.sub(w_b, w_a)
+    n = al.sub(al.cross(y_b, x_a), al.cross(x_b, y_a))
+    n_rate = al.add(al.cross(al.cross(w_b, y_b), x_a), al.cross(y_b, al.cross(w_a, x_a)))
+    n_rate = al.sub(n_rate, al.cross(al.cross(w_b, x_b), y_a))
+    n_rate = al.sub(n_rate, al.cross(x_b, al.cross(w_a, y_a)))
+    gap = al.dot(x_a, y_b) - al.dot(y_a, x_b)
+    along = al.dot(x_a, x_b) + al.dot(y_a, y_b)
+
+    # while assembling beyond 90 deg, where the equation leads to the contrary: the twist itself
+    if d.assembling[0] > 0.0 and along < 0.0:
+        n = al.neg(al.add(al.column(A_a, 2), al.column(A_b, 2)))
+        gap = 0.5 * al.dot(n, n) * math.atan2(gap, along)
+
+    set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
+    set_residuals(d, row, gap, al.dot(w, n), al.dot(w, n_rate))
+
+
 @apart(void(MODEL, DATA))
 def write_rows(m, d):
     """All rows' wrenches and residuals; needs kinematics."""
@@ -266,13 +291,16 @@ def write_rows(m, d):
                 w = al.sub(w_b, w_a)
                 n_rate = al.add(al.cross(e_b_rate, e_a), al.cross(e_b, e_a_rate))
                 set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
-                set_residuals(d, row, al.dot(e_a, e_b), al.dot(w, n), al.dot(w, n_rate))
+                set_residuals(d, row, al.dot(e_a, e_b) - m.row_value[row], al.dot(w, n), al.dot(w, n_rate))
 
                 if d.assembling[0] > 0.0 and m.row_parallel[row] > 0:
                     turn = turn_left(m.row_parallel[row], A_a, A_b)
 
                     if al.dot(turn, turn) > 0.0:
                         aim_parallel(d, row, turn, e_a, axis_of(A_a, j))
+
+            elif kind == TWIST:
+                write_twist(d, row, A_a, A_b, w_a, w_b)
 
             elif kind == DISTANCE:
                 length = m.row_value[row]

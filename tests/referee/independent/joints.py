@@ -13,7 +13,7 @@ from .taylor import vee
 KINDS = (
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "translation",
     "screw", "free", "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk",
-    "knife_edge", "point_on_curve", "curve_on_curve", "point_on_surface",
+    "knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface",
 )  # fmt: skip
 
 # joints of one freedom: their coordinate and its rate
@@ -32,36 +32,37 @@ COORDINATES = {
 }
 
 
-# numbers of a joint: axes u, x, y (3 each), radius, the side on which it rolls
+# numbers of a joint: axes u, x, y (3 each), radius or cosine, the side on which it rolls
 GEOMETRY = 11
 
 
 def joint_axis(kind, options):
     """The unit vector (3,) that a joint's equations are about: of a universal joint the first,
     of an edge the lateral one."""
-    if kind == "universal":
-        return universal_axes(options)[0]
+    if kind in ("universal", "angle"):
+        return two_axes(kind, options)[0]
 
     key = {"planar": "normal", "point_on_plane": "normal", "knife_edge": "lateral"}.get(kind, "axis")
     return axis(options.get(key, "y" if key == "lateral" else "z"))
 
 
-def universal_axes(options):
-    """The axes of the cross (2, 3): of the first marker, of the second."""
-    return np.array([axis(item) for item in options.get("axes", ("x", "y"))])
+def two_axes(kind, options):
+    """The axes (2, 3) of a cross, or those that keep their angle: of the first marker, of the second."""
+    return np.array([axis(item) for item in options.get("axes", ("x", "y") if kind == "universal" else ("z", "z"))])
 
 
 def geometry(kind, options):
-    """(10,): the axis u, axes x and y across it (of a universal joint x is the second axis), radius;
-    the side comes behind."""
+    """(10,): the axis u, axes x and y across it (of a universal joint or an angle x is the second axis),
+    radius or cosine; the side comes behind."""
     u = joint_axis(kind, options)
     x, y = plane_axes(u)[:, :2].T
 
-    if kind == "universal":
-        x = universal_axes(options)[1]
+    if kind in ("universal", "angle"):
+        x = two_axes(kind, options)[1]
         y = np.cross(u, x)
 
-    return np.concatenate([u, x, y, [options.get("radius", 0.0)]])
+    size = np.cos(np.radians(options["angle_deg"])) if kind == "angle" else options.get("radius", 0.0)
+    return np.concatenate([u, x, y, [size]])
 
 
 def axes_of(geometry):
@@ -115,6 +116,8 @@ def constraints(kind, geometry, pair):
         "point_on_plane": [ca.dot(u, d)],
         "point_on_line": across,
         "distance": [ca.norm_2(d)],
+        "constant_velocity": [*together, ca.dot(u, vee(R))],
+        "angle": [ca.dot(u, R @ x) - geometry[9]],
     }.get(kind, [])
     return holds, []
 
@@ -126,6 +129,10 @@ def is_turned_over(kind, options, R):
         return np.trace(R) < 2.0
 
     u = joint_axis(kind, options)
+
+    if kind == "constant_velocity":
+        return np.trace(R) < u @ R @ u
+
     return kind in ("revolute", "cylindrical", "screw", "planar") and u @ R @ u < 0.0
 
 

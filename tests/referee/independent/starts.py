@@ -4,7 +4,7 @@ without closing loops."""
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .joints import joint_axis, universal_axes
+from .joints import joint_axis, two_axes
 from .motion import Inputs
 from .reading import cross, orientation, plane_axes, si
 
@@ -68,7 +68,7 @@ def _relative(joint, t):
         return _filled(start.get("position"), "xyz"), still, _filled(start.get("velocity"), "xyz"), zero
 
     if kind == "universal":
-        first, second = universal_axes(options)
+        first, second = two_axes("universal", options)
         (a, b), (a1, b1) = (_two(start, key) for key in ("angles", "speeds"))
         R = turn(first, a)
         return zero, R @ turn(second, b), zero, a1 * first + b1 * R @ second

@@ -27,7 +27,7 @@ TREE = {
 }
 CONSTRAINTS = (
     "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge",
-    "point_on_curve", "curve_on_curve", "point_on_surface",
+    "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface",
 )  # fmt: skip
 CONTACTS = CONSTRAINTS[-3:]
 MOVING = [kind for kind in TREE if kind != "fixed"]
@@ -264,6 +264,27 @@ def _knife_edge(dice, size):
     )
 
 
+def _constant_velocity(dice, size):
+    written, u = axis(dice)
+    options = {} if isinstance(written, str) and written == "z" else {"axis": written}
+    across = plane_axes(u)[:, 0] * np.cos(turn := dice.number(-3, 3)) + plane_axes(u)[:, 1] * np.sin(turn)
+    A = about(across, dice.number(-1.4, 1.4))
+    rows = np.vstack([np.hstack([np.zeros((3, 3)), np.eye(3)]), [[*(u + A @ u), 0, 0, 0]]])
+    return Drawn("constant_velocity", {"constant_velocity": options}, {}, (np.zeros(3), A), rows=rows)
+
+
+def _angle(dice, size):
+    (one, u), (two, x), A = axis(dice), axis(dice), _anywhere(dice)
+
+    while np.linalg.norm(np.cross(A @ x, u)) < 0.3:
+        A = orientation(dice)[1]
+
+    options = {"angle_deg": float(np.degrees(np.arccos(u @ A @ x)))}
+    options |= {} if (one, two) == ("z", "z") else {"axes": [one, two]}
+    rows = np.array([[*np.cross(A @ x, u), 0, 0, 0]])
+    return Drawn("angle", {"angle": options}, {}, (np.array(dice.vector(0.8)), A), rows=rows)
+
+
 def _point_on_curve(dice, size):
     curve = shapes.curve(dice)
     rows = sliding(*plane_axes(unit(curve.t))[:, :2].T)
@@ -297,7 +318,7 @@ MAKERS = {
     "fixed": _fixed, "universal": _universal, "planar": _planar, "translation": _translation, "spherical":
     _spherical, "free": _free, "point_on_plane": _point_on_plane, "point_on_line": _point_on_line, "distance":
     _distance, "rolling_sphere": _rolling_sphere, "rolling_disk": _rolling_disk, "knife_edge": _knife_edge,
-    "point_on_curve": _point_on_curve, "curve_on_curve": _curve_on_curve, "point_on_surface":
+    "constant_velocity": _constant_velocity, "angle": _angle, "point_on_curve": _point_on_curve, "curve_on_curve": _curve_on_curve, "point_on_surface":
     _point_on_surface,
 }  # fmt: skip
 
