@@ -14,6 +14,7 @@ from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, is_finite, store_rate
 from ..language import apart, inlined, kernel
 from ..math import linear
+from ..motion import coordinates
 from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
 from ..views import DATA, MODEL
 from ...steppers import STEPPERS
@@ -48,6 +49,17 @@ T_INVERSE = np.array(
 RADAU = STEPPERS["radau"].number
 
 MAX_ITERATIONS = 7
+
+# outcomes of the iteration for the stages
+CONVERGED, DIVERGES, CREEPS = 0, 1, 2
+
+# rates at which residuals of dry friction vanish that are beyond doubt, and those that are if they do not grow
+FAST = 0.05
+STEADY = 0.5
+
+# residual of a speed beside the smoothing speed of dry friction that is nothing
+SETTLED = 0.03
+
 ORDER = 4  # of the error estimate
 
 # the step is kept, and with it the factors, where it could grow by less than this
@@ -123,10 +135,43 @@ def weighed_norm(m, d, first, count):
     return math.sqrt(total / (count * n))
 
 
+@inlined
+def friction_residual(m, d, h):
+    """Largest residual (weighed) of the stages' speeds along joints with dry friction, if nothing were stiff there.
+
+    Of joints in the tree, beyond what is nothing beside their smoothing speeds; in d.stage's right-hand sides, before they are
+    solved for.
+    """
+    n = m.n_x
+    largest = 0.0
+
+    for f in range(m.n_friction):
+        c = m.friction_coordinate[f]
+
+        if m.coordinate_kind[c] == coordinates.IN_TREE:
+            k = m.n_q + m.body_v[m.coordinate_body[c]]
+
+            for i in range(3):
+                residual = h / MU * abs(d.stage[(RIGHT + i) * n + k])
+
+                if residual > SETTLED * m.friction_smoothing[f]:
+                    largest = max(largest, residual / d.x_scale[k])
+
+    return largest
+
+
 @kernel
 def find_stages(m, d, s, h):
-    """Z of a step from s (s) on by simplified Newton iterations. Returns (converged, iterations, rate, status)."""
+    """Z of a step from s (s) on by simplified Newton iterations. Returns (outcome, iterations, rate, status).
+
+    With dry friction small changes do not yet mean that the stages are found: where a joint breaks loose, a J that sticks lets
+    it creep a little further each time (docs/theory.md 18.7). There the residual of its speed must vanish steadily as well; if
+    it does not, the outcome is CREEPS.
+    """
     n = m.n_x
+    slip = 0.0
+    slip_rate = 0.0
+    outcome = DIVERGES
     wanted = tolerance_of_estimate(m)
     tolerance = max(2.2e-15 / wanted, min(0.03, math.sqrt(wanted)))
     before = 0.0
@@ -146,7 +191,7 @@ def find_stages(m, d, s, h):
             failure = evaluate(m, d, s + NODES[i] * h)
 
             if failure != OK:
-                return False, iteration, rate, failure
+                return DIVERGES, iteration, rate, failure
 
             store_rate(m, d, F + i)
 
@@ -163,19 +208,23 @@ def find_stages(m, d, s, h):
             d.stage[(RIGHT + 1) * n + k] = re - (MU_RE * w1 - MU_IM * w2) / h
             d.stage[(RIGHT + 2) * n + k] = im - (MU_RE * w2 + MU_IM * w1) / h
 
+        slip_before = slip
+        slip_rate_before = slip_rate
+        slip = friction_residual(m, d, h)
+        slip_rate = slip / slip_before if slip_before > 0.0 else 0.0
         linear.solve(d.lu_real, d.swaps_real, n, d.stage, RIGHT * n)
         linear.solve_complex(d.lu_complex, d.swaps_complex, n, d.stage, (RIGHT + 1) * n)
         size = weighed_norm(m, d, RIGHT, 3)
 
         if not size < math.inf:
-            return False, iteration, rate, OK
+            return DIVERGES, iteration, rate, OK
 
         if iteration > 0:
             rate = size / before if before > 0.0 else 0.0
 
             # diverges, or would not be there in time
             if rate >= 1.0 or rate ** (MAX_ITERATIONS - iteration) / (1.0 - rate) * size > tolerance:
-                return False, iteration, rate, OK
+                return outcome, iteration, rate, OK
 
         for k in range(n):
             for i in range(3):
@@ -189,11 +238,16 @@ def find_stages(m, d, s, h):
                 d.dense[i * n + k] = T[i, 0] * w0 + T[i, 1] * w1 + T[i, 2] * w2
 
         if size == 0.0 or (iteration > 0 and rate / (1.0 - rate) * size < tolerance):
-            return True, iteration + 1, rate, OK
+            steady = slip_rate < FAST or (iteration > 1 and slip_rate < STEADY and slip_rate < 1.1 * slip_rate_before)
+
+            if slip == 0.0 or steady:
+                return CONVERGED, iteration + 1, rate, OK
+
+            outcome = CREEPS
 
         before = size
 
-    return False, MAX_ITERATIONS, rate, OK
+    return outcome, MAX_ITERATIONS, rate, OK
 
 
 @kernel
@@ -277,6 +331,29 @@ def find_rate_and_jacobian(m, d, s, known, watch):
     return True, OK
 
 
+@kernel
+def find_jacobian_ahead(m, d, s, step):
+    """J where the stages of a step (s) from s (s) on have come to: there a joint slips that stuck before. Returns a status."""
+    for k in range(m.n_x):
+        d.x[k] = d.x_before[k] + d.dense[2 * m.n_x + k]
+
+    failure = evaluate(m, d, s + step)
+
+    if failure == OK:
+        store_rate(m, d, F0)
+        failure = find_jacobian(m, d, s + step)
+        d.lu_known[0] = 0.0
+
+    restore_x(m, d)
+    weigh(m, d)
+
+    if failure == OK:
+        failure = evaluate(m, d, s)
+        store_rate(m, d, F0)
+
+    return failure
+
+
 @inlined
 def length_to_try(h, left):
     """(step (s) of at most h, whether it ends at the communication point, `left` (s) away).
@@ -290,16 +367,28 @@ def length_to_try(h, left):
 
 @inlined
 def try_step(m, d, s, step, again):
-    """d.x a step (s) after x_before, at s (s), projected. Returns (error, iterations, their rate of convergence, status).
+    """d.x a step (s) after x_before, at s (s), projected. Returns (outcome, error, iterations, their rate of convergence, status).
 
     error : estimated, 1: just allowed; inf: the iteration did not converge, or the status tells why there is no step.
     """
     factor_newton(m, d, step)
     guess_stages(m, d, step)
-    converged, iterations, rate, failure = find_stages(m, d, s, step)
+    outcome, iterations, rate, failure = find_stages(m, d, s, step)
 
-    if not converged:
-        return math.inf, iterations, rate, failure
+    if outcome == CREEPS:
+        failure = find_jacobian_ahead(m, d, s, step)
+
+        if failure == OK:
+            factor_newton(m, d, step)
+            guess_stages(m, d, step)
+            outcome, iterations, rate, failure = find_stages(m, d, s, step)
+
+        # the next attempt begins with that of the start again
+        if outcome != CONVERGED:
+            d.jacobian_known[0] = 0.0
+
+    if outcome != CONVERGED:
+        return outcome, math.inf, iterations, rate, failure
 
     error = stage_error(m, d, s, step, again)
 
@@ -307,14 +396,15 @@ def try_step(m, d, s, step, again):
         d.x[k] = d.x_before[k] + d.dense[2 * m.n_x + k]
 
     if not is_finite(d, m.n_x):
-        return math.inf, iterations, rate, OK
+        return DIVERGES, math.inf, iterations, rate, OK
 
     if error <= 1.0:
         # stage_error may have left another time
         d.now[0] = d.time[0] + s + step
         failure = project(m, d)
 
-    return error if failure == OK and error < math.inf else math.inf, iterations, rate, failure
+    found = failure == OK and error < math.inf
+    return CONVERGED if found else DIVERGES, error if found else math.inf, iterations, rate, failure
 
 
 @inlined
@@ -336,7 +426,7 @@ def length_after(d, step, error, iterations, rate):
 
 
 @inlined
-def length_again(d, h, step, error, iterations, here, failure):
+def length_again(d, h, step, outcome, error, iterations, here, failure):
     """Length (s) of the step in place of one that is rejected: shorter where that is to blame, else h with a new J; counts it."""
     d.span[0] = 0.0
     d.rejected[0] += 1.0
@@ -394,7 +484,7 @@ def adaptive(m, d, s, H, watch):
         if not s + step > s:
             return control.too_small(0.0 < step < math.inf, OK), s
 
-        error, iterations, rate, failure = try_step(m, d, s, step, again)
+        outcome, error, iterations, rate, failure = try_step(m, d, s, step, again)
 
         if error <= 1.0:
             s = H if ends else s + step
@@ -409,7 +499,7 @@ def adaptive(m, d, s, H, watch):
 
         else:
             restore_x(m, d)
-            h = length_again(d, h, step, error, iterations, here, failure)
+            h = length_again(d, h, step, outcome, error, iterations, here, failure)
             again = again or error < math.inf
 
             if not h >= control.least_step(H):
