@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from fmu_host import OK, Library
+from fmu_host import Instance as FmuInstance
 from scenes import assert_near
 from scipy.spatial.transform import Rotation
 from test_powers import named_outputs
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.export import export_fmu
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
 
@@ -178,3 +181,33 @@ def test_parallel_axes_are_refused(angle):
 
     with pytest.raises(SceneError, match="angle.angle_deg: must be between 0 and 180 deg"):
         Scene.model_validate(scene)
+
+
+def test_shafts_turn_equally_fast_in_an_fmu(tmp_path):
+    """To the bit as in process, with a differential beside them."""
+    scene = bent({"constant_velocity": {}}, 30)
+    scene["body"] |= {"left": SHAFT, "right": SHAFT}
+    scene["joint"] |= {
+        name: {"revolute": {}, "between": ["ground", name], "output": SPEED} for name in ("left", "right")
+    }
+    scene["coupling"] = {
+        "d": {
+            "linear": {"coefficients": [1, 1, -2]},
+            "between": ["left", "right", "out"],
+            "output": ["efforts"],
+        }
+    }
+    model = compile_scene(Scene.model_validate(scene))
+    here = Instance(model)
+    fmu = FmuInstance(Library(export_fmu(model, tmp_path / "shafts.fmu"), tmp_path / "unpacked"))
+    fmu.start()
+
+    for k in range(5):
+        assert fmu.step(0.25 * k, 0.25) == OK
+        here.step(0.25)
+        assert np.array_equal(fmu.outputs(), here.outputs())
+
+    y = named_outputs(here)
+    assert_near(y["out.speed"], y["in.speed"], 1e-10)
+    assert_near(y["left.speed"] + y["right.speed"], 2 * y["out.speed"], 1e-10)
+    fmu.free()

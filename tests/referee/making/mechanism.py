@@ -306,6 +306,10 @@ class Mechanism:
 
         fits = not len(rows) or self.restrict(rows, [self.still(joint)] * len(rows), expected=expected)
 
+        # how fast the ground moves is not known here
+        if not len(rows) and self.still(joint) is None:
+            joint.says = "place"
+
         if fits:
             self._enter(joint, owners)
         return fits
