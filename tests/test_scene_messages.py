@@ -155,7 +155,7 @@ MESSAGES = [
         '[joint.elbow] between: no body "lowr"; there is "upper", "lower", "ground" and '
         '"inertial". Did you mean "lower"?',
         '[joint.elbow] what: unknown key; there is "revolute", "between", "start", "spring", '
-        '"damper", "friction", "stop", "driver", "input" and "output".',
+        '"damper", "friction", "turning", "stop", "driver", "input" and "output".',
     ]),
     (ARM, 'integrator = "rk4"', 'integrator = "rk853"', [
         '[solver] rk853 chooses its step itself; write max_step, or integrator = "rk4"',
