@@ -580,6 +580,33 @@ def test_a_moving_ground_feels_what_pushes_bodies_in_its_water():
     assert all(v.depends == (0,) for v in model.of_causality("output"))
 
 
+def test_a_ground_at_rest_feels_by_forces_what_is_led():
+    """A body that an input moves pulls at the ground by a spring, at once; what pushes it is not felt before it moves."""
+    slide = {"prismatic": {"axis": "x"}}
+    scene = {
+        "name": "spring",
+        "gravity": [0, 0, 0],
+        "ground": {"output": ["reaction_force"]},
+        "body": {name: {"mass": 1.0, "inertia": [1, 1, 1]} for name in "ab"},
+        "joint": {
+            "a": {"free": {}, "between": ["ground", "a"]},
+            "b": slide | {"between": ["a", "b"], "driver": {"input": True}},
+        },
+        "force": {
+            "spring": {"bushing": {"stiffness": np.diag([100.0] * 6).tolist()}, "between": ["ground", "b"]},
+        },
+    }
+    scene["body"]["b"]["input"] = ["force"]
+    model = compile_scene(Scene.model_validate(scene))
+    instance = Instance(model)
+    names = [v.name for v in model.of_causality("input")]
+    before = instance.outputs().copy()
+    instance.u[names.index("b.position_command")] = 0.1
+    assert abs(instance.outputs()[0] - before[0]) > 1.0
+    felt = {names[k] for k in model.of_causality("output")[0].depends}
+    assert "b.position_command" in felt and not any(name.startswith("b.force") for name in felt)
+
+
 def test_a_reaction_tells_what_its_dependencies_say(everything_model):
     """Outputs without dependencies do not change with the inputs, the others do (all but what is zero by nature)."""
     instance = Instance(everything_model)

@@ -268,7 +268,8 @@ def add_ground_outputs(builder):
         about = f"{quantity.text} with which all joints and forces act on the ground, in its axes"
         nodes, fed_by = _on_ground(builder)
         source = Source(GROUND_KINDS[output], builder.tree.home["ground"][0])
-        builder.add_outputs(dotted("ground", output), source, quantity.unit, about, nodes, fed_by)
+        pull = [i for group in builder.force_nodes if 0 in group for i in group]
+        builder.add_outputs(dotted("ground", output), source, quantity.unit, about, nodes, fed_by, pull)
 
 
 def _on_ground(builder):

@@ -91,13 +91,14 @@ class Input:
 @dataclass(frozen=True)
 class Output:
     """A scalar output in the making: its fields as a Variable, the nodes that it is about, its kind in kernels/outputs.py,
-    positions in u of inputs that are part of it.
+    positions in u of inputs that are part of it, the nodes whose motion alone it feels.
     """
 
     fields: tuple
     nodes: set
     kind: int
     fed_by: tuple
+    moved_by: set
 
 
 @dataclass(frozen=True)
@@ -329,8 +330,10 @@ class Builder:
 
         return first
 
-    def add_outputs(self, name, source, unit, description, nodes, fed_by=()):
-        """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it."""
+    def add_outputs(self, name, source, unit, description, nodes, fed_by=(), moved_by=()):
+        """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it; `moved_by`: nodes whose
+        motion it feels, but not what pulls at them.
+        """
         first = len(self.outputs)
         width = outputs.WIDTH.get(source.kind)
         self.tables["n_output"].add(
@@ -339,7 +342,7 @@ class Builder:
 
         for k, ending in enumerate(subscripts((width,) if width else ())):
             fields = (name + ending, "output", "continuous", None, unit, description, first + k)
-            self.outputs.append(Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by)))
+            self.outputs.append(Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by), set(moved_by) - {0}))
 
     def add_parameters(self, name, place, values, unit, description, variability="tunable"):
         """Parameters that stand from a place on; units by element or one for all."""
@@ -412,13 +415,16 @@ class Builder:
             # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it;
             # what moves an island changes the forces between it and others
             accelerates = output.kind in outputs.ACCELERATES
+            led = output.nodes | output.moved_by
             depends = tuple(
                 k
                 for k, given in enumerate(self.inputs)
                 if k in output.fed_by
                 or (
                     (given.moves or accelerates)
-                    and _share(reach if given.moves and accelerates else island, output.nodes, given.nodes)
+                    and _share(
+                        reach if given.moves and accelerates else island, led if given.moves else output.nodes, given.nodes
+                    )
                 )
             )
 
