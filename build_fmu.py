@@ -12,7 +12,9 @@ def main() -> int:
     """Export the scenes named on the command line; returns the exit status."""
     parser = argparse.ArgumentParser(description="Build FMUs from scene files.")
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="scene file (default: all of models/)")
-    parser.add_argument("-o", "--output", default="out", metavar="DIR", help="folder for the FMUs (default: out)")
+    parser.add_argument(
+        "-o", "--output", default="out", metavar="DIR", help="folder for the FMUs (default: out)"
+    )
     parser.add_argument("--platform", action="append", metavar="NAME", help="as of `mbdfmi export`")
     options = parser.parse_args()
 

@@ -288,7 +288,9 @@ def _on_ground(builder):
                 fed_by.append(u)
 
     # the water of added mass is part of the ground
-    for adds, first, second in _columns(builder, "n_six_by_six", "six_by_six_adds", "six_by_six_from", "six_by_six_to"):
+    for adds, first, second in _columns(
+        builder, "n_six_by_six", "six_by_six_adds", "six_by_six_from", "six_by_six_to"
+    ):
         if adds and builder.marker_node(first) == ground:
             nodes.append(builder.marker_node(second))
 

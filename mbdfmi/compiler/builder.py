@@ -342,7 +342,9 @@ class Builder:
 
         for k, ending in enumerate(subscripts((width,) if width else ())):
             fields = (name + ending, "output", "continuous", None, unit, description, first + k)
-            self.outputs.append(Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by), set(moved_by) - {0}))
+            self.outputs.append(
+                Output(fields, set(nodes) - {0}, source.kind, tuple(fed_by), set(moved_by) - {0})
+            )
 
     def add_parameters(self, name, place, values, unit, description, variability="tunable"):
         """Parameters that stand from a place on; units by element or one for all."""
@@ -423,7 +425,9 @@ class Builder:
                 or (
                     (given.moves or accelerates)
                     and _share(
-                        reach if given.moves and accelerates else island, led if given.moves else output.nodes, given.nodes
+                        reach if given.moves and accelerates else island,
+                        led if given.moves else output.nodes,
+                        given.nodes,
                     )
                 )
             )

@@ -25,9 +25,7 @@ def add_constraints(builder):
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c.name for c in constraints]
     builder.constraint_nodes = [c.nodes for c in constraints]
-    builder.joint_constraints = {
-        c.name: k for k, c in enumerate(constraints) if not c.terms
-    }
+    builder.joint_constraints = {c.name: k for k, c in enumerate(constraints) if not c.terms}
     _add_tables(builder, constraints, [path[k] for k in order], earlier)
     builder.loop_hints = [_hint(builder, c) for c in constraints]
     about = "largest gap of a closed loop, m and rad"
@@ -107,10 +105,7 @@ def _path(builder, constraint):
     """Nodes between a constraint and the ground, ascending; none where it is between parts of one rigid body."""
     path = set()
 
-    if (
-        len({_rigid_part(builder, i) for i in constraint.nodes}) == 1
-        and not constraint.terms
-    ):
+    if len({_rigid_part(builder, i) for i in constraint.nodes}) == 1 and not constraint.terms:
         return []
 
     for i in constraint.nodes:

@@ -109,9 +109,7 @@ def _add_strut(builder, name, force, ends):
 def _add_torsion(builder, name, force, ends):
     """A spring and a damper along the twist between two markers."""
     spec = force.torsion
-    turn = builder.tables["n_turn"].add(
-        turn_coordinate=builder.tables["n_coordinate"].length, turn_start=0.0
-    )
+    turn = builder.tables["n_turn"].add(turn_coordinate=builder.tables["n_coordinate"].length, turn_start=0.0)
     coordinate = builder.tables["n_coordinate"].add(
         coordinate_kind=TWIST,
         coordinate_body=0,

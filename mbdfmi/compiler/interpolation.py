@@ -78,7 +78,12 @@ def smooth(x, y):
 
 
 CURVES = {
-    "linear": linear, "steps": steps, "monotone": monotone, "cubic": cubic, "quintic": quintic, "smooth": smooth,
+    "linear": linear,
+    "steps": steps,
+    "monotone": monotone,
+    "cubic": cubic,
+    "quintic": quintic,
+    "smooth": smooth,
 }
 
 
@@ -96,14 +101,16 @@ def _coefficients(x, y, slope, bend):
     """Coefficients (6, n - 1) of the pieces' powers of the distance from their left ends, the constant first."""
     h = np.diff(x)
     rise, m0, m1, a0, a1 = _scaled(h, y, slope, bend)
-    return np.array([
-        y[:-1],
-        slope[:-1],
-        0.5 * bend[:-1],
-        (10.0 * rise - 6.0 * m0 - 4.0 * m1 - 1.5 * a0 + 0.5 * a1) / h**3,
-        (-15.0 * rise + 8.0 * m0 + 7.0 * m1 + 1.5 * a0 - a1) / h**4,
-        (6.0 * rise - 3.0 * (m0 + m1) - 0.5 * (a0 - a1)) / h**5,
-    ])
+    return np.array(
+        [
+            y[:-1],
+            slope[:-1],
+            0.5 * bend[:-1],
+            (10.0 * rise - 6.0 * m0 - 4.0 * m1 - 1.5 * a0 + 0.5 * a1) / h**3,
+            (-15.0 * rise + 8.0 * m0 + 7.0 * m1 + 1.5 * a0 - a1) / h**4,
+            (6.0 * rise - 3.0 * (m0 + m1) - 0.5 * (a0 - a1)) / h**5,
+        ]
+    )
 
 
 def _scaled(h, y, slope, bend):
@@ -170,7 +177,11 @@ def _spline(x, y, held, slope, bend):
     n = len(x)
 
     if n <= FREE_PIECES and not held.any():
-        return KroghInterpolator(x, y).derivatives(x, 3)[1:] if n > 2 else (np.full(2, np.diff(y) / np.diff(x)), np.zeros(2))
+        return (
+            KroghInterpolator(x, y).derivatives(x, 3)[1:]
+            if n > 2
+            else (np.full(2, np.diff(y) / np.diff(x)), np.zeros(2))
+        )
 
     equations = _Equations(x, y)
     free = np.flatnonzero(~held[1:-1]) + 1
@@ -200,7 +211,9 @@ def _let_go_on(equations, x, at_end):
 
     for k in (0, 1):
         points = outer, inner = end + way * (k + 1), end + way * (k + 2)
-        spacing = [(x[point + 1] - x[point - 1]) * min(equations.h[point - 1 : point + 1]) ** 5 for point in points]
+        spacing = [
+            (x[point + 1] - x[point - 1]) * min(equations.h[point - 1 : point + 1]) ** 5 for point in points
+        ]
         equations.add_jump(row + k, outer, 5, (FIFTH, FIFTH), min(spacing) / spacing[0])
         equations.add_jump(row + k, inner, 5, (FIFTH, FIFTH), -min(spacing) / spacing[1])
 
@@ -291,9 +304,13 @@ def _monotone_ends(x, y):
     before, after = np.append(chord[0], chord), np.append(chord, chord[-1])
     h_before, h_after = np.append(np.inf, h), np.append(h, np.inf)
     goes_on = before * after > 0
-    steep = np.clip(np.sign(after) * slope, 0, np.where(goes_on, 1.25 * np.minimum(abs(before), abs(after)), 0))
+    steep = np.clip(
+        np.sign(after) * slope, 0, np.where(goes_on, 1.25 * np.minimum(abs(before), abs(after)), 0)
+    )
 
     # in the direction of the piece after the point; at a peak the piece before it goes the other way
     least = np.maximum(-4 * steep / h_after, np.where(goes_on, (8 * steep - 10 * abs(before)) / h_before, 0))
-    most = np.minimum((10 * abs(after) - 8 * steep) / h_after, np.where(goes_on, 4 * steep, 10 * abs(before)) / h_before)
+    most = np.minimum(
+        (10 * abs(after) - 8 * steep) / h_after, np.where(goes_on, 4 * steep, 10 * abs(before)) / h_before
+    )
     return np.sign(after) * steep, np.sign(after) * np.clip(np.sign(after) * second, least, most)

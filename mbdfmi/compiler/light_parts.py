@@ -8,13 +8,21 @@ LEAST = 1e-12
 
 def tell_light_parts(builder):
     """A notice of the lightest part, by its mass or by its least moment of inertia, where constraints have too light ones."""
-    reached = {int(node) for column in builder.tables["n_path"].columns.get("path_node", ()) for node in column} - {0}
+    reached = {
+        int(node) for column in builder.tables["n_path"].columns.get("path_node", ()) for node in column
+    } - {0}
     reached -= {builder.tree.home["ground"][0]}
-    nodes = [(node.bodies[0], *_matter(builder, node)) for i, node in enumerate(builder.nodes) if i in reached and node.bodies]
+    nodes = [
+        (node.bodies[0], *_matter(builder, node))
+        for i, node in enumerate(builder.nodes)
+        if i in reached and node.bodies
+    ]
 
     for what, unit, least, most in (("mass", "kg", 1, 1), ("inertia", "kg m2", 2, 3)):
         heaviest = max(nodes, key=lambda node: node[most], default=None)
-        lightest = min((node for node in nodes if node[least] > 0.0), key=lambda node: node[least], default=None)
+        lightest = min(
+            (node for node in nodes if node[least] > 0.0), key=lambda node: node[least], default=None
+        )
 
         if lightest and lightest[least] < LEAST * heaviest[most]:
             ratio = lightest[least] / heaviest[most]

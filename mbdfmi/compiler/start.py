@@ -54,7 +54,9 @@ def coupled_angles(scene):
             unknown = [name for name in factors if name not in known]
 
             if len(unknown) == 1:
-                total = offset + sum(factor * known[name] for name, factor in factors.items() if name in known)
+                total = offset + sum(
+                    factor * known[name] for name, factor in factors.items() if name in known
+                )
                 known[unknown[0]] = -total / factors[unknown[0]]
 
     told = (name for name in known if name not in held or scene.joint[name].driver)

@@ -110,7 +110,9 @@ class _Slave:
         if not self.description.coSimulation or self.description.fmiVersion != "2.0":
             raise CouplingError(f"{name}: no FMU for co-simulation in {path}: FMI 2.0 is needed")
 
-        self.outputs = [v for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
+        self.outputs = [
+            v for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
+        ]
         self.references = [v.valueReference for v in self.outputs]
         self.values = np.zeros(len(self.outputs))
         self.sources = {}

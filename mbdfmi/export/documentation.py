@@ -77,9 +77,7 @@ def _contents(scene) -> list:
         bodies.append([name, f"{mass:.6g}", ", ".join(f"{x:.6g}" for x in com)])
 
     joints = [[name, j.kind, " to ".join(j.between)] for name, j in scene.joint.items()]
-    forces = [
-        [name, f.kind.replace("_", "-"), " to ".join(f.between)] for name, f in scene.force.items()
-    ]
+    forces = [[name, f.kind.replace("_", "-"), " to ".join(f.between)] for name, f in scene.force.items()]
 
     return [
         *_section("Bodies", ["Name", "Mass, kg", "Centre of mass, m"], bodies),

@@ -79,6 +79,8 @@ class Array(NamedTuple):
     over: str = ""
 
 
+# one array a line, however long
+# fmt: off
 ARRAYS = (
     # structure
     Array("body_parent", "ints", 1, "n_body", "parent node; parents come first"),
@@ -314,6 +316,7 @@ ARRAYS = (
     Array("lent_mass", "state", 1, "n_body", "kg"),
     Array("lent_inertia", "state", 1, "n_body", "kg m2, about the origin"),
     Array("lent_known", "state", 1, "n_body", "1: known that what else there is determines how it moves"),
+    Array("row_taken", "state", 1, "n_row", "gap that a loop not quite exact was found to have"),
     Array("row_rest", "state", 1, "n_row", "position residual that is none: a coupling's offset, a gap left at the start"),
     Array("row_side", "state", 1, "n_row", "1 or -1: side of its plane on which something rolls"),
     Array("strut_start", "state", 1, "n_strut", "m, length at the start"),
@@ -388,7 +391,6 @@ ARRAYS = (
     Array("row_rate", "work", 1, "n_row", "velocity residual g'"),
     Array("row_bias", "work", 1, "n_row", "g'' at zero accelerations of the bodies"),
     Array("row_settles", "work", 1, "n_row", "1: a coupling whose offset is still to be found"),
-    Array("row_taken", "work", 1, "n_row", "gap that a loop not quite exact was found to have"),
     Array("constraint_noise", "work", 1, "n_constraint", "what its rows' wrenches could move if those of its two sides did not cancel"),
     Array("row_size", "work", 1, "n_row", "what its wrenches could move if they met the axes of the joints"),
     Array("row_diagonal", "work", 1, "n_row", "diagonal of C M^-1 C^T"),
@@ -426,6 +428,7 @@ ARRAYS = (
     Array("swaps_real", "work", 1, "n_swap", "their exchanges of rows"),
     Array("swaps_complex", "work", 1, "n_swap", ""),
 )
+# fmt: on
 
 SLOT = {array.name: len(COUNTS) + k for k, array in enumerate(ARRAYS)}
 ARRAY = {array.name: array for array in ARRAYS}

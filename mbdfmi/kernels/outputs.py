@@ -8,7 +8,16 @@ import math
 from . import forces
 from .dynamics import inertia, reactions
 from .end_frames import touching
-from .forces import central_gravity, friction, gravity_gradient, joint_springs, loads, six_by_six, stops, struts
+from .forces import (
+    central_gravity,
+    friction,
+    gravity_gradient,
+    joint_springs,
+    loads,
+    six_by_six,
+    stops,
+    struts,
+)
 from .language import inlined, kernel
 from .math import algebra as al
 from .motion import coordinates, markers
@@ -113,8 +122,23 @@ NEED_ROWS = 2
 NEED_ACCELERATIONS = 4
 NEED_REACTIONS = 8
 
-REACTS = {REACTION_FORCE, REACTION_MOMENT, DRIVE_EFFORT, DRIVEN_JOINT_POWER, GROUND_FORCE, GROUND_MOMENT, DRIVES_POWER}
-ACCELERATES = {ACCELERATION, ALPHA, LINEAR_ACCELERATION, ALPHA_BODY, LINEAR_ACCELERATION_BODY, MULTIPLIER} | REACTS
+REACTS = {
+    REACTION_FORCE,
+    REACTION_MOMENT,
+    DRIVE_EFFORT,
+    DRIVEN_JOINT_POWER,
+    GROUND_FORCE,
+    GROUND_MOMENT,
+    DRIVES_POWER,
+}
+ACCELERATES = {
+    ACCELERATION,
+    ALPHA,
+    LINEAR_ACCELERATION,
+    ALPHA_BODY,
+    LINEAR_ACCELERATION_BODY,
+    MULTIPLIER,
+} | REACTS
 ACCELERATES |= {COUPLING_EFFORT}
 NEEDS = {
     NEED_INERTIAS: {
@@ -276,7 +300,9 @@ def write_scene_output(m, d, kind, at, y):
             energy += inertia.kinetic_energy(m, d)
 
         if kind != KINETIC_ENERGY and kind != SPRING_ENERGY:
-            energy += inertia.gravity_energy(m, d) + central_gravity.energy(m, d) + gravity_gradient.energy(m, d)
+            energy += (
+                inertia.gravity_energy(m, d) + central_gravity.energy(m, d) + gravity_gradient.energy(m, d)
+            )
 
         if kind != KINETIC_ENERGY and kind != GRAVITY_ENERGY:
             energy += forces.stored_energy(m, d)

@@ -53,7 +53,10 @@ def prepare_added_mass(m, d, k):
     I = block(m.six_by_six_added, k, 1, 1)
 
     if m.six_by_six_axes[k] != six_by_six.HEADING:
-        A = al.mat3(m.marker_A, m.six_by_six_to[k] if m.six_by_six_axes[k] == six_by_six.BODY else m.six_by_six_from[k])
+        A = al.mat3(
+            m.marker_A,
+            m.six_by_six_to[k] if m.six_by_six_axes[k] == six_by_six.BODY else m.six_by_six_from[k],
+        )
         A_T = al.transpose(A)
         M = al.mat_mat(al.mat_mat(A, M), A_T)
         H = al.mat_mat(al.mat_mat(A, H), A_T)
@@ -159,7 +162,10 @@ def prepare(m, d):
             return status(BAD_PARAMETER, m.marker_body[m.six_by_six_to[k]])
 
     for k in range(m.n_rotor):
-        if not (m.rotor_inertia[k] >= 0.0 and math.isfinite(m.rotor_inertia[k] * m.rotor_ratio[k] * m.rotor_ratio[k])):
+        if not (
+            m.rotor_inertia[k] >= 0.0
+            and math.isfinite(m.rotor_inertia[k] * m.rotor_ratio[k] * m.rotor_ratio[k])
+        ):
             return status(BAD_ROTOR, m.rotor_body[k])
 
     for i in range(m.n_body):

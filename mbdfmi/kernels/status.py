@@ -72,12 +72,12 @@ MESSAGES = {
     TOO_MUCH_WORK: "the step costs more than solver.max_evaluations allows: the motion is too fast for a step so long; look for "
     "huge values of inputs and parameters, take shorter steps, or raise solver.max_evaluations",
     NO_STAGES: "the implicit stages of a step were not found: the motion is stiff, or passes a singular position, or the step "
-    "is too long; make solver.step smaller, or take integrator = \"auto\"",
+    'is too long; make solver.step smaller, or take integrator = "auto"',
     STIFF: "the motion is stiff: the implicit method goes on from here",
     NOT_STIFF: "the motion is no longer stiff: the explicit method goes on from here",
     CONTRADICTION: "the motion commanded for %s contradicts itself: the speed is not that at which the position changes, or the "
     "acceleration not that of the speed; give what belongs together, or list in its input only what is given, as in "
-    "input = [\"position\"]",
+    'input = ["position"]',
     LOOP_OPEN: "the loop cannot be closed at %s",
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",

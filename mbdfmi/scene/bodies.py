@@ -53,7 +53,9 @@ def principal_moments(moments):
 
 Inertia = Annotated[
     Array(
-        (3,), (6,), (3, 3),
+        (3,),
+        (6,),
+        (3, 3),
         what="[ixx, iyy, izz], [ixx, iyy, izz, ixy, ixz, iyz] or a symmetric 3x3 matrix",
     ),
     AfterValidator(_inertia),

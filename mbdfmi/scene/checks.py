@@ -126,6 +126,7 @@ def _variables_of(path, prefix, entry):
 
 # data as written
 
+
 def _get(holder, key):
     return holder.get(key) if isinstance(holder, dict) else getattr(holder, key, None)
 
@@ -164,6 +165,7 @@ def _ends(entry):
 
 
 # what is wrong with it
+
 
 def _same_names(path, names):
     problems, seen = [], {}
@@ -212,12 +214,13 @@ def _wrong_coupling(coupling, joints):
         which = ORDINALS[k] if k < len(ORDINALS) else f"{k + 1}th"
         if not any(_get(joints[name], kind) is not None for kind in kinds):
             what = cls.kind if cls.kind else "a coupling"
-            return (
-                f"{quoted(name)} is not {listed(kinds, 'or')}, as the {which} joint of "
-                f"{what} must be"
-            )
+            return f"{quoted(name)} is not {listed(kinds, 'or')}, as the {which} joint of {what} must be"
     if all(_get(joints[name], "driver") is not None for name in names):
-        which = "both joints are driven; one of them follows the other" if len(names) == 2 else "all joints are driven"
+        which = (
+            "both joints are driven; one of them follows the other"
+            if len(names) == 2
+            else "all joints are driven"
+        )
         return f"{which}, so drop a driver"
     return None
 
@@ -304,7 +307,12 @@ def _loose_bodies(bodies, joined):
     """Problems of bodies from which no chain of joints (name, joint, ends) leads to ground."""
     edges = [{end[0] for end in ends} for _, joint, ends in joined if not _constraint_kind(joint)]
     # body: a joint that only constrains it
-    slack = {end[0]: (name, kind) for name, joint, ends in joined if (kind := _constraint_kind(joint)) for end in ends}
+    slack = {
+        end[0]: (name, kind)
+        for name, joint, ends in joined
+        if (kind := _constraint_kind(joint))
+        for end in ends
+    }
     reached, before = set(FRAMES), None
     while reached != before:
         before = reached

@@ -124,7 +124,9 @@ class ConstantVelocity(Constraint):
 
 def _oblique(value):
     if not 0.0 < value < 180.0:
-        raise ValueError(f"must be between 0 and 180 deg: axes that are parallel take two freedoms; found {show(value)}")
+        raise ValueError(
+            f"must be between 0 and 180 deg: axes that are parallel take two freedoms; found {show(value)}"
+        )
     return value
 
 
@@ -157,4 +159,13 @@ class Angle(Constraint):
         return np.cos(in_si(self.angle, "angle"))
 
 
-CONSTRAINTS = (PointOnPlane, PointOnLine, Distance, RollingSphere, RollingDisk, KnifeEdge, ConstantVelocity, Angle)
+CONSTRAINTS = (
+    PointOnPlane,
+    PointOnLine,
+    Distance,
+    RollingSphere,
+    RollingDisk,
+    KnifeEdge,
+    ConstantVelocity,
+    Angle,
+)

@@ -177,7 +177,9 @@ class LinearCoupling(CouplingBase):
     def _check_count(self):
         joints, factors = len(self.between), self.linear.coefficients
         if factors is None and joints != 2:
-            raise ValueError(f"a ratio is between two joints, found {joints} of them; write coefficients instead")
+            raise ValueError(
+                f"a ratio is between two joints, found {joints} of them; write coefficients instead"
+            )
         if factors is not None and len(factors) != joints:
             raise ValueError(f"needs a coefficient for each joint, found {len(factors)} for {joints} joints")
         return self

@@ -20,6 +20,7 @@ from .tables import (
 
 # springs
 
+
 class AngularSpring(Part):
     """stiffness : N m/rad. rest (rad) or rest_deg : the angle at which it is slack.
 
@@ -58,6 +59,7 @@ class LinearSpring(Part):
 
 
 # friction and stops
+
 
 class Friction(Part):
     """Dry and viscous friction, smoothed about standstill.
@@ -103,7 +105,9 @@ class Stop(Part):
         if lower == -np.inf and upper == np.inf:
             raise ValueError('needs "lower" or "upper", or both')
         if not lower < upper:
-            raise ValueError(f"lower must be below upper; found {as_given(self, 'lower')} and {as_given(self, 'upper')}")
+            raise ValueError(
+                f"lower must be below upper; found {as_given(self, 'lower')} and {as_given(self, 'upper')}"
+            )
         return self
 
 
@@ -133,6 +137,7 @@ class AngularStop(Stop):
 
 
 # drivers
+
 
 class Harmonic(Part):
     """mean + amplitude sin(2 pi frequency time + phase)"""
@@ -191,7 +196,9 @@ class Harmonics(Harmonic):
         for key in ("amplitude", "amplitude_deg", "phase_deg"):
             values = getattr(self, key, None)
             if values is not None and len(values) != n:
-                raise ValueError(f'"frequency" has {n} values and "{key}" {len(values)}; each needs one of the other')
+                raise ValueError(
+                    f'"frequency" has {n} values and "{key}" {len(values)}; each needs one of the other'
+                )
         if min(self.frequency) <= 0:
             raise ValueError(f"frequency must be greater than 0, found {show(min(self.frequency))}")
         return self

@@ -32,6 +32,7 @@ AXES |= {"-" + name: tuple(-c for c in axis) for name, axis in AXES.items()}
 
 # numbers
 
+
 def number(value):
     """A finite float of a sane size, or ValueError."""
     if isinstance(value, np.generic):
@@ -78,6 +79,7 @@ Tolerance = Annotated[float, BeforeValidator(_tolerance)]
 
 # yes and no
 
+
 def _boolean(value):
     if not isinstance(value, bool):
         raise ValueError(f"needs true or false, found {show(value)}")
@@ -95,6 +97,7 @@ Flag = Annotated[bool, BeforeValidator(_flag)]
 
 
 # arrays
+
 
 def array(value, *shapes, what):
     """A nested tuple of floats in one of the shapes, or ValueError; `what` says them in words."""
@@ -162,6 +165,7 @@ def filled(value, names, default=0.0):
 
 # axes
 
+
 def axis(value):
     """An axis as a name or as a vector with a direction, or ValueError."""
     if isinstance(value, str):
@@ -197,13 +201,12 @@ def plane_axes(normal):
 
 # choices
 
+
 def _choice(value, options):
     if not isinstance(value, str):
         raise ValueError(f"needs {listed(options, 'or')}, found {show(value)}")
     if value not in options:
-        raise ValueError(
-            f"no {show(value)} here; there is {listed(options)}." + did_you_mean(value, options)
-        )
+        raise ValueError(f"no {show(value)} here; there is {listed(options)}." + did_you_mean(value, options))
     return value
 
 
@@ -274,6 +277,7 @@ def as_given(part, key):
 
 
 # tables
+
 
 class _PartType(type(BaseModel)):
     def __call__(cls, *args, **kwargs):

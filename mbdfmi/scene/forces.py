@@ -181,9 +181,7 @@ class LoadOverTime(Table):
     def points(self):
         """(time (n,), force (n, 3), moment (n, 3))."""
         zeros = np.zeros((len(self.time), 3))
-        force, moment = (
-            zeros if part is None else np.array(part) for part in (self.force, self.moment)
-        )
+        force, moment = (zeros if part is None else np.array(part) for part in (self.force, self.moment))
         return np.array(self.time), force, moment
 
 

@@ -82,6 +82,7 @@ class Fixed(Plain):
 
 # one freedom
 
+
 class Driveable(JointBase):
     """A joint whose motion a driver may prescribe."""
 
@@ -89,7 +90,9 @@ class Driveable(JointBase):
     def _check_efforts(self):
         for output, part in EFFORT_OUTPUTS.items():
             if output in self.output and not getattr(self, part):
-                raise ValueError(f"output {show(output)} is that of {PARTS.get(part, f'a {part}')}, and there is none")
+                raise ValueError(
+                    f"output {show(output)} is that of {PARTS.get(part, f'a {part}')}, and there is none"
+                )
         return self
 
     @model_validator(mode="after")
@@ -102,7 +105,9 @@ class Driveable(JointBase):
         if self.driver.kind not in ("constant_speed", "hold", "speed_table", "input") and self.start_given:
             raise ValueError("the driver says where the joint starts and how fast; drop the start")
         if self.driver.kind == "input" and self.holds_velocity and "speed" not in self.driver.commands():
-            raise ValueError('the driver is told the position alone; drop the speed of the start, or add "speed" to its input')
+            raise ValueError(
+                'the driver is told the position alone; drop the speed of the start, or add "speed" to its input'
+            )
         if self.driver.kind in ("constant_speed", "hold", "speed_table") and self.holds_velocity:
             raise ValueError("the driver says how fast the joint starts; drop that of the start")
         return self
@@ -192,6 +197,7 @@ class Screw(Plain):
 
 
 # more freedoms
+
 
 class Cylindrical(Plain):
     """Rotation about an axis and translation along it. input : force (N), torque (N m)."""
@@ -293,6 +299,17 @@ class Free(Plain):
 
 
 Joint = by_key(
-    "a joint", Fixed, Revolute, Prismatic, Cylindrical, Universal, Spherical, Planar, Translation,
-    Screw, Free, *CONSTRAINTS, *END_FRAMES,
+    "a joint",
+    Fixed,
+    Revolute,
+    Prismatic,
+    Cylindrical,
+    Universal,
+    Spherical,
+    Planar,
+    Translation,
+    Screw,
+    Free,
+    *CONSTRAINTS,
+    *END_FRAMES,
 )

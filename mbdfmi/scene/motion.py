@@ -198,18 +198,19 @@ class PoseOverTime(Table):
     position: Vectors | None = None
     zyx_deg: Rows(3, "rows of angles [yaw, pitch, roll] in degrees") | None = None
     zyx_rad: Rows(3, "rows of angles [yaw, pitch, roll] in rad") | None = None
-    euler_parameters: Annotated[
-        Rows(4, "rows of Euler parameters [E1, E2, E3, E4], scalar last"),
-        AfterValidator(_unit_rows),
-    ] | None = None
+    euler_parameters: (
+        Annotated[
+            Rows(4, "rows of Euler parameters [E1, E2, E3, E4], scalar last"),
+            AfterValidator(_unit_rows),
+        ]
+        | None
+    ) = None
     interpolation: MotionReading = "smooth"
 
     @model_validator(mode="after")
     def _check_not_empty(self):
         if not self.model_fields_set - {"time", "interpolation"}:
-            raise ValueError(
-                'needs "position" or an orientation: "zyx_deg", "zyx_rad" or "euler_parameters"'
-            )
+            raise ValueError('needs "position" or an orientation: "zyx_deg", "zyx_rad" or "euler_parameters"')
         return self
 
     def points(self):
@@ -274,7 +275,11 @@ class FromInputs(Part):
 
     def commands(self):
         """What inputs tell, in the order of GROUND_INPUTS."""
-        return [what for what in GROUND_INPUTS if (what in self.input if self.input is not True else what != "zyx")]
+        return [
+            what
+            for what in GROUND_INPUTS
+            if (what in self.input if self.input is not True else what != "zyx")
+        ]
 
 
 Motion = by_key("a motion", ConstantAcceleration, Rotation, Orbit, EllipticOrbit, Tabulated, FromInputs)

@@ -80,9 +80,7 @@ def _name(value):
     if not name:
         raise ValueError("a name must not be empty")
     if "." in name:
-        raise ValueError(
-            f"a name has no dots, since dots join names; write {quoted(name.replace('.', '_'))}"
-        )
+        raise ValueError(f"a name has no dots, since dots join names; write {quoted(name.replace('.', '_'))}")
     if not is_printable(name):
         raise ValueError("a name has no control characters")
     if name in FRAMES:

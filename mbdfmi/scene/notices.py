@@ -31,7 +31,9 @@ def far_angles(scene):
                 if len(values) <= 2 and any(abs(v) > 2 * pi and 2 * v == round(2 * v) for v in values):
                     turns = ", ".join(f"{v / (2 * pi):.3g}" for v in values)
                     degrees = f"{{ {name} = {show(one)} }}" if name else show(one)
-                    text = f"{show(one)} is in rad, {turns} full turns; for degrees write {key}_deg = {degrees}"
+                    text = (
+                        f"{show(one)} is in rad, {turns} full turns; for degrees write {key}_deg = {degrees}"
+                    )
                     yield Problem((*path, key, *([name] if name else [])), text)
 
 
@@ -66,7 +68,9 @@ def inertia_of_no_body(scene):
         moments = np.linalg.eigvalsh(inertia_matrix(body.inertia))
 
         if moments[0] + moments[1] < moments[2] * (1 - MOMENTS_ROUNDED):
-            text = "no principal moment exceeds the sum of the other two on a real body; it is taken as it is: "
+            text = (
+                "no principal moment exceeds the sum of the other two on a real body; it is taken as it is: "
+            )
             yield Problem(("body", name, "inertia"), text + principal_moments(moments))
 
 
@@ -75,7 +79,11 @@ def idle_spins(scene):
 
     The forces that they pass on have no moment about that line, but for rounding; an adaptive stepper follows what that does.
     """
-    weight = 1e-16 * max(hypot(*scene.gravity), 1.0) * max((body.mass_properties()[0] for body in scene.body.values()), default=0.0)
+    weight = (
+        1e-16
+        * max(hypot(*scene.gravity), 1.0)
+        * max((body.mass_properties()[0] for body in scene.body.values()), default=0.0)
+    )
 
     for name, body in scene.body.items():
         held = [
@@ -94,7 +102,11 @@ def idle_spins(scene):
         line = (b - a) / length if length > 0.0 else b
         spin = line @ inertia @ line + mass * norm(np.cross(com - a, line)) ** 2
 
-        if length > 0.0 and not scene.solver.fixed_step and 0.0 < spin * 30 * scene.solver.tolerance < weight * length:
+        if (
+            length > 0.0
+            and not scene.solver.fixed_step
+            and 0.0 < spin * 30 * scene.solver.tolerance < weight * length
+        ):
             text = (
                 f"its spin about the line between its two joints, with {spin:.2g} kg m2, feels the rounding of what it carries: up "
                 f"to {weight * length / spin:.1g} rad/s2, for which steps become small; take a distance joint in its place, a "
@@ -173,7 +185,11 @@ def _body_size(body):
 
     for solid in body.solid or ():
         shape = getattr(solid, solid.kind)
-        lengths = [*getattr(shape, "size", ()), getattr(shape, "length", 0.0), 2 * getattr(shape, "radius", 0.0)]
+        lengths = [
+            *getattr(shape, "size", ()),
+            getattr(shape, "length", 0.0),
+            2 * getattr(shape, "radius", 0.0),
+        ]
         reaches += [hypot(*solid.position), *lengths]
 
     return max(reaches)

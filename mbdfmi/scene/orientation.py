@@ -25,7 +25,7 @@ def unit_euler_parameters(values):
 
 def _axes(axes):
     if len(axes) != 2:
-        raise ValueError(f"needs two of \"x\", \"y\" and \"z\", found {listed(axes) or 'none'}")
+        raise ValueError(f'needs two of "x", "y" and "z", found {listed(axes) or "none"}')
 
     first, second = (unit_vector(axis) for axis in axes.values())
     if np.linalg.norm(np.cross(first, second)) < 1e-6:
@@ -56,9 +56,7 @@ class Oriented(Part):
     axes : two of the frame's axes in the base. The first is kept, the second made normal to it.
     """
 
-    exclusive: ClassVar[tuple] = (
-        ("euler_parameters", "zyx_deg", "zyx_rad", "axis_angle", "axes"),
-    )
+    exclusive: ClassVar[tuple] = (("euler_parameters", "zyx_deg", "zyx_rad", "axis_angle", "axes"),)
 
     euler_parameters: Annotated[
         Array((4,), what="4 numbers [E1, E2, E3, E4], scalar last") | None,

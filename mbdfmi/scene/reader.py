@@ -118,9 +118,7 @@ def _syntax_text(message, text):
     shown = show(text.split("\n")[line - 1].strip())
     column = f", column {found[3]}" if found[3] else ""
     # tables as the file has them, not as tuples
-    what = re.sub(
-        r"\(('.*?'),?\)", lambda m: "[" + ".".join(re.findall("'(.*?)'", m[1])) + "]", found[1]
-    )
+    what = re.sub(r"\(('.*?'),?\)", lambda m: "[" + ".".join(re.findall("'(.*?)'", m[1])) + "]", found[1])
     hint = next(("; " + hint for start, hint in HINTS.items() if what.startswith(start)), "")
 
     return f"line {line}{column}: not valid TOML: {what} in {shown}{hint}"

@@ -55,15 +55,14 @@ class Solver(Part):
             raise ValueError(f"{self.integrator} needs a step, as in step = 1e-3")
         if not fixed and self.step is not None:
             raise ValueError(
-                f"{self.integrator} chooses its step itself; write max_step, or "
-                'integrator = "rk4"'
+                f'{self.integrator} chooses its step itself; write max_step, or integrator = "rk4"'
             )
 
         for key in ("tolerance", "absolute_tolerance", "max_step"):
             if fixed and key in self.model_fields_set:
                 raise ValueError(f"{self.integrator} has no {key}; leave it out, or take rk54")
         if fixed and "estimated_error" in self.output:
-            raise ValueError(f"{self.integrator} estimates no error; leave out the output \"estimated_error\"")
+            raise ValueError(f'{self.integrator} estimates no error; leave out the output "estimated_error"')
         return self
 
     @property

@@ -13,6 +13,7 @@ from .orientation import Placed
 
 # shapes, each in its own axes about its centre
 
+
 class Shape(Part):
     """A shape with its density or its mass.
 
@@ -100,9 +101,7 @@ class Tube(Shape):
 
     def volume(self):
         """m3."""
-        return (
-            pi * (self.radius - self.inner_radius) * (self.radius + self.inner_radius) * self.length
-        )
+        return pi * (self.radius - self.inner_radius) * (self.radius + self.inner_radius) * self.length
 
     def moments(self):
         """Principal moments (3,) per unit of mass, m2."""
@@ -129,6 +128,7 @@ class Point(Part):
 
 
 # solids: shapes at their places on a body
+
 
 class SolidBase(Placed):
     """A shape at a place on a body; position is that of its centre."""

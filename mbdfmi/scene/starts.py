@@ -50,9 +50,13 @@ class Start(Part):
         keys = [beginning + ending for ending in ENDINGS]
 
         if beginning == ORIENTATION:
-            return ORIENTATION if any(getattr(self, key) is not None for key in Oriented.model_fields) else None
+            return (
+                ORIENTATION if any(getattr(self, key) is not None for key in Oriented.model_fields) else None
+            )
 
-        return next((key for key in keys if key in self.model_fields_set and getattr(self, key) is not None), None)
+        return next(
+            (key for key in keys if key in self.model_fields_set and getattr(self, key) is not None), None
+        )
 
 
 class RevoluteStart(Start):
@@ -104,7 +108,8 @@ class ScrewStart(Start):
     rates = (("angular_speed", ("", "")),)
 
     exclusive = (
-        ("angle", "angle_deg"), ("angular_speed", "angular_speed_deg", "angular_speed_rpm"),
+        ("angle", "angle_deg"),
+        ("angular_speed", "angular_speed_deg", "angular_speed_rpm"),
     )
 
     angle: Number | None = None

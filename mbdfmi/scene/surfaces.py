@@ -174,5 +174,11 @@ class TableSurface(Part):
 
 
 Surface = by_key(
-    "a surface", Plane, SphereSurface, CylinderSurface, Torus, Prism, TableSurface,
+    "a surface",
+    Plane,
+    SphereSurface,
+    CylinderSurface,
+    Torus,
+    Prism,
+    TableSurface,
 )

@@ -170,14 +170,15 @@ UNDONE = [
     ),
     Undone(
         6, "bodies jump with what the last step was off", "kernels/motion/commands.py",
-        "                settle(m, d, i, position, "
-        "d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1], T)\n",
+        "                settle(\n                    m,\n                    d,\n                    i,\n                    position,\n"
+        "                    d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1],\n"
+        "                    T,\n                )\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(
         6, "the ground jumps with what its last turn was off", "kernels/motion/commands.py",
-        "                settle(m, d, c + 3 + i, phi[i], "
-        "rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T)\n",
+        "                settle(\n                    m, d, c + 3 + i, phi[i], "
+        "rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T\n                )\n",
         "                pass\n", "tests/test_commands.py",
     ),
     Undone(

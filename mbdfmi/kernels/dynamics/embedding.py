@@ -401,7 +401,9 @@ def respond_to_rows(m, d, everything):
                     d.response[at + m.body_v[i]] += m.term_factor[t] if d.held[i] == 0.0 else 0.0
                 elif t > m.row_term[row]:
                     a, b = rows.bodies_of_term(m, t)
-                    add_jacobian(m, d, row, r, a, al.vec3(d.term_moment_from, t), al.vec3(d.term_force_from, t))
+                    add_jacobian(
+                        m, d, row, r, a, al.vec3(d.term_moment_from, t), al.vec3(d.term_force_from, t)
+                    )
                     add_jacobian(m, d, row, r, b, al.vec3(d.term_moment_to, t), al.vec3(d.term_force_to, t))
 
         solve_lower(d.mass_matrix, n, d.response, at)

@@ -111,7 +111,9 @@ def kinetic_energy(m, d):
             i = m.marker_body[m.six_by_six_to[k]]
             w, rd = added_mass.carried(m, d, k)
             L, p = added_mass.borne(m, d, k)
-            energy -= al.dot(al.axpy(-0.5, w, al.vec3(d.w, i)), L) + al.dot(al.axpy(-0.5, rd, al.vec3(d.rd, i)), p)
+            energy -= al.dot(al.axpy(-0.5, w, al.vec3(d.w, i)), L) + al.dot(
+                al.axpy(-0.5, rd, al.vec3(d.rd, i)), p
+            )
 
     for k in range(m.n_rotor):
         energy += rotors.energy(m, d, m.rotor_body[k])

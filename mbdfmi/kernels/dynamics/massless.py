@@ -94,7 +94,11 @@ def loads(m, d):
     for i in range(1, m.n_body):
         w = al.vec3(d.w, i)
         turned = al.dot(w, w) + al.norm(al.vec3(d.alpha, i))
-        force += al.norm(al.vec3(d.force, i)) + d.body_m[i] * al.norm(al.vec3(d.rdd, i)) + al.norm(al.vec3(d.left_force, i))
+        force += (
+            al.norm(al.vec3(d.force, i))
+            + d.body_m[i] * al.norm(al.vec3(d.rdd, i))
+            + al.norm(al.vec3(d.left_force, i))
+        )
         moment += al.norm(al.vec3(d.moment, i)) + al.norm(al.vec3(d.left_moment, i))
         moment += (d.I[6 * i] + d.I[6 * i + 1] + d.I[6 * i + 2]) * turned
 

@@ -94,7 +94,9 @@ def gap_left(m, d, starting, first):
 
     for row in range(m.n_row):
         gap = abs(d.row_gap[row])
-        left_out = (d.pivot[row] == 0.0 and not first) if starting else d.row_redundant[row] == multipliers.REDUNDANT
+        left_out = (
+            (d.pivot[row] == 0.0 and not first) if starting else d.row_redundant[row] == multipliers.REDUNDANT
+        )
         left_out = left_out and d.loose[0] > 0.0 and gap <= GAP_MOST
 
         if not (left_out or gap <= size):

@@ -52,7 +52,11 @@ def see_stuck(m, d, seen):
 
     # what is held, as a ground that moves, is not stuck
     for i in range(1, m.n_body):
-        moves = d.held[i] > 0.0 or al.norm(al.vec3(d.w, i)) > size or al.norm(al.vec3(d.rd, i)) > size * m.scene_length[0]
+        moves = (
+            d.held[i] > 0.0
+            or al.norm(al.vec3(d.w, i)) > size
+            or al.norm(al.vec3(d.rd, i)) > size * m.scene_length[0]
+        )
         d.stuck[i] = seen + 1.0 if not moves and d.stuck[i] == seen else 0.0
 
 
@@ -87,7 +91,9 @@ def find_redundant(m, d):
             given.recall(m, d, given.OTHER)
             d.loose[0] = 1.0
             failure = close_gaps(m, d, allowed, start_positions.STRIDE)
-            d.loose[0] = 1.0 if failure == OK and largest(d.row_gap, m.n_row) <= start_positions.GAP_TAKEN else 0.0
+            d.loose[0] = (
+                1.0 if failure == OK and largest(d.row_gap, m.n_row) <= start_positions.GAP_TAKEN else 0.0
+            )
 
         if failure == OK:
             projection.see_gaps(m, d)

@@ -169,8 +169,6 @@ def window(m, k, p):
 def pieces(m, k):
     """Numbers of pieces of surface k along s1 and s2."""
     if m.surface_kind[k] == TABLE:
-        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[
-            m.surface_table[2 * k + 1]
-        ] - 1
+        return m.table_knots[m.surface_table[2 * k]] - 1, m.table_knots[m.surface_table[2 * k + 1]] - 1
 
     return (curves.pieces(m, m.surface_curve[k]) if m.surface_kind[k] == PRISM else 1), 1

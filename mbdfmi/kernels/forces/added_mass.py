@@ -36,7 +36,9 @@ def axes(m, d, k):
 
     if m.six_by_six_axes[k] == HEADING:
         moved, turned, columns = six_by_six.displacement(m, d, k)
-        return al.mat_mat(markers.axes(m, d, m.six_by_six_from[k]), six_by_six.turned_axes(m, d, k, turned[2]))
+        return al.mat_mat(
+            markers.axes(m, d, m.six_by_six_from[k]), six_by_six.turned_axes(m, d, k, turned[2])
+        )
 
     return al.mat3(d.A, m.marker_body[m.six_by_six_from[k]])
 
@@ -86,7 +88,9 @@ def swept(m, d, k, w, v):
     g = m.marker_body[m.six_by_six_from[k]]
     w_g = al.vec3(d.w, g)
     arm = al.sub(al.vec3(d.r, m.marker_body[m.six_by_six_to[k]]), al.vec3(d.r, g))
-    c = al.add(al.cross(al.vec3(d.bias_w, g), arm), al.cross(w_g, al.add(al.cross(w_g, arm), al.scale(2.0, v))))
+    c = al.add(
+        al.cross(al.vec3(d.bias_w, g), arm), al.cross(w_g, al.add(al.cross(w_g, arm), al.scale(2.0, v)))
+    )
     return al.neg(al.add(al.vec3(d.bias_w, g), al.cross(w_g, w))), al.neg(al.add(al.vec3(d.bias_r, g), c))
 
 
@@ -126,7 +130,9 @@ def heading(m, d, k):
     """(z axis of force k's first marker, gradient of the yaw psi: psi' = gradient . w), inertial axes."""
     A = markers.axes(m, d, m.six_by_six_from[k])
     moved, turned, columns = six_by_six.displacement(m, d, k)
-    return (A[0][2], A[1][2], A[2][2]), al.mat_vec(A, six_by_six.moment_of_swing_twist(columns, (0.0, 0.0, 1.0)))
+    return (A[0][2], A[1][2], A[2][2]), al.mat_vec(
+        A, six_by_six.moment_of_swing_twist(columns, (0.0, 0.0, 1.0))
+    )
 
 
 @inlined
@@ -179,7 +185,9 @@ def add_reactions(m, d):
             moment, force = wrench(I, H, M, al.vec3(d.alpha, i), al.vec3(d.rdd, i))
             bias_moment, bias_force = bias(m, d, k, I, H, M)
             moment = al.add(moment, bias_moment)
-            markers.add_wrench(m, d, m.marker_body[m.six_by_six_from[k]], al.vec3(d.r, i), moment, al.add(force, bias_force))
+            markers.add_wrench(
+                m, d, m.marker_body[m.six_by_six_from[k]], al.vec3(d.r, i), moment, al.add(force, bias_force)
+            )
 
 
 @inlined

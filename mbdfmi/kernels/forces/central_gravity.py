@@ -56,6 +56,8 @@ def power(m, d):
             r = solid_com(m, d, k)
             distance = al.norm(r)
             velocity = markers.point_velocity(m, d, m.solid_body[k], r)
-            total -= m.central_mu[c] * m.solid_mass[k] / (distance * distance * distance) * al.dot(r, velocity)
+            total -= (
+                m.central_mu[c] * m.solid_mass[k] / (distance * distance * distance) * al.dot(r, velocity)
+            )
 
     return total

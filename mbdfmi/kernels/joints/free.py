@@ -88,7 +88,11 @@ def factor(d, i):
         I[5] - al.dot(H[1], N[2]),
     )
     F_I = al.sym_factor(reduced)
-    left = reduced[0] > al.ROUNDING * I[0] and reduced[1] > al.ROUNDING * I[1] and reduced[2] > al.ROUNDING * I[2]
+    left = (
+        reduced[0] > al.ROUNDING * I[0]
+        and reduced[1] > al.ROUNDING * I[1]
+        and reduced[2] > al.ROUNDING * I[2]
+    )
     al.set_sym3(d.D_M, i, F_M)
     al.set_mat3(d.N, i, N)
     al.set_sym3(d.D, i, F_I)

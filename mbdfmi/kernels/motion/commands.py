@@ -133,7 +133,13 @@ def plan_channel(m, d, c, p, v, x, H):
         d.command_settling[4 * c + i] = 0.0
 
     # nothing new was told since the last step: what is not told is what it led to
-    if H == 0.0 and what < 2 and not told_on and d.command_known[0] > 0.0 and x == d.command_carried[3 * c + what]:
+    if (
+        H == 0.0
+        and what < 2
+        and not told_on
+        and d.command_known[0] > 0.0
+        and x == d.command_carried[3 * c + what]
+    ):
         d.command_course[k + 1] = d.command_carried[3 * c + 1]
         d.command_course[k + 2] = 0.5 * d.command_carried[3 * c + 2]
 
@@ -194,7 +200,12 @@ def plan_turn(m, d, k, c, H):
 
     elif kind == courses.TURN_E:
         E = al.E_at(d.u_buffer, u)
-        last = (d.command_past[4 * c], d.command_past[4 * c + 4], d.command_past[4 * c + 8], d.command_past[4 * c + 12])
+        last = (
+            d.command_past[4 * c],
+            d.command_past[4 * c + 4],
+            d.command_past[4 * c + 8],
+            d.command_past[4 * c + 12],
+        )
 
         # E and -E are one orientation
         if d.command_known[0] > 0.0 and al.E_dot(E, last) < 0.0:
@@ -286,15 +297,26 @@ def begin(m, d, H):
 
             if d.command_blind[i] != 1.0:
                 position = d.command_reached[2 * i] - d.command_course[courses.N_COURSE * i]
-                settle(m, d, i, position, d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1], T)
+                settle(
+                    m,
+                    d,
+                    i,
+                    position,
+                    d.command_reached[2 * i + 1] - d.command_course[courses.N_COURSE * i + 1],
+                    T,
+                )
 
         if turns:
             base = al.E_at(d.attitude_base, 0)
-            phi = rotations.rotation_vector(al.E_product(al.E_at(d.attitude_reached, 0), al.E_conjugate(base)))
+            phi = rotations.rotation_vector(
+                al.E_product(al.E_at(d.attitude_reached, 0), al.E_conjugate(base))
+            )
             rate = rotations.rate_of_rotation(phi, al.vec_at(d.attitude_reached, 4))
 
             for i in range(3):
-                settle(m, d, c + 3 + i, phi[i], rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T)
+                settle(
+                    m, d, c + 3 + i, phi[i], rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T
+                )
 
 
 @inlined
@@ -310,7 +332,9 @@ def see_start(m, d, c):
         d.command_reached[2 * c + 1] -= found[1] * d.command_steps[1]
 
     if d.command_blind[c] == 3.0 and order > 1:
-        d.command_reached[2 * c + 1] += found[2] * d.command_steps[2] * (d.command_steps[1] + d.command_steps[2])
+        d.command_reached[2 * c + 1] += (
+            found[2] * d.command_steps[2] * (d.command_steps[1] + d.command_steps[2])
+        )
 
 
 @inlined
@@ -371,7 +395,11 @@ def doubt(m, d, k):
 
             for i in range(n):
                 x = told(m, d, first + i, level)
-                x_before = d.command_past[4 * (first + i)] if level == highest(m, first) else d.command_before[2 * (first + i) + 1]
+                x_before = (
+                    d.command_past[4 * (first + i)]
+                    if level == highest(m, first)
+                    else d.command_before[2 * (first + i) + 1]
+                )
                 below = told(m, d, first + i, level - 1)
                 change = below - d.command_before[2 * (first + i) + level - 1]
 

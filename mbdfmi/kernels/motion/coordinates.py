@@ -66,7 +66,9 @@ def rate(m, d, k):
         return markers.relative_velocity(m, d, a, b)[2]
 
     if m.coordinate_kind[k] == TWIST:
-        return al.dot(along(m, d, k), al.sub(markers.angular_velocity(m, d, b), markers.angular_velocity(m, d, a)))
+        return al.dot(
+            along(m, d, k), al.sub(markers.angular_velocity(m, d, b), markers.angular_velocity(m, d, a))
+        )
 
     return markers.relative_angular_velocity(m, d, a, b)[2]
 

@@ -26,7 +26,9 @@ RAMP = 6  # time and position at the beginning, time and position at the end
 # of the ground; drive_value:
 GROUND_ACCELERATION = 7  # position, velocity at time 0, acceleration (3 each)
 GROUND_ROTATION = 8  # axis (3), point (3), speed, angle at time 0
-GROUND_ORBIT = 9  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
+GROUND_ORBIT = (
+    9  # axes by rows (9): columns radial at angle 0, along the track, normal; radius, rate, phase, 1: points
+)
 GROUND_TABLE = 10  # drive_at: 7 tables over time, position and E
 GROUND_INPUT = 11  # drive_command: channels of position and orientation
 GROUND_ELLIPSE = 12  # axes by rows (9): columns to the periapsis, along the track there, normal; semi-major axis, eccentricity,
@@ -78,7 +80,11 @@ def ramp(m, k, t):
     x = m.drive_value[at + 1] + rise * (s * s * s * (10.0 - s * (15.0 - 6.0 * s)))
 
     # at the end exactly there
-    return m.drive_value[at + 3] if s == 1.0 else x, 30.0 * speed * s * s * u * u, 60.0 * speed / span * s * u * (u - s)
+    return (
+        m.drive_value[at + 3] if s == 1.0 else x,
+        30.0 * speed * s * s * u * u,
+        60.0 * speed / span * s * u * (u - s),
+    )
 
 
 @kernel
@@ -137,7 +143,9 @@ def rotation_of_table(m, k, t):
     """(E of unit length, w, w') of the four tables of E from k on; the splines need not keep unit length."""
     a, a1, a2 = table_vector(m, k, t)
     b, b1, b2 = tables.evaluate(m, k + 3, t)
-    return rotations.rotation_of_E((a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2))
+    return rotations.rotation_of_E(
+        (a[0], a[1], a[2], b), (a1[0], a1[1], a1[2], b1), (a2[0], a2[1], a2[2], b2)
+    )
 
 
 @inlined
@@ -197,7 +205,11 @@ def ground_motion(m, d, k):
         return al.sub(point, arm), al.neg(swing), al.neg(al.cross(w, swing)), E, w, al.ZERO3
 
     if kind == GROUND_ORBIT:
-        axes = (al.vec_at(m.drive_value, at), al.vec_at(m.drive_value, at + 3), al.vec_at(m.drive_value, at + 6))
+        axes = (
+            al.vec_at(m.drive_value, at),
+            al.vec_at(m.drive_value, at + 3),
+            al.vec_at(m.drive_value, at + 6),
+        )
         radius = m.drive_value[at + 9]
         rate = m.drive_value[at + 10]
         angle = m.drive_value[at + 11] + rate * t

@@ -129,7 +129,9 @@ def by_slope(m, d, c, x, slope, H, differences, rounding):
 
     if H > 0.0 and change != 0.0 and abs(missed) <= LED * abs(change) + 1e-13 * abs(x):
         second = felt(slope - differences[0], rounding[0]) / (H + h1)
-        third = felt(second - differences[1], rounding[0] / (H + h1) + rounding[1]) / (H + h1 + d.command_steps[1])
+        third = felt(second - differences[1], rounding[0] / (H + h1) + rounding[1]) / (
+            H + h1 + d.command_steps[1]
+        )
         third = third if known > 1.0 else 0.0
         return slope - second * H - third * H * h1, second - third * (H - h1), third
 

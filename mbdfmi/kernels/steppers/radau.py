@@ -180,7 +180,9 @@ def find_stages(m, d, s, h):
     for k in range(n):
         for i in range(3):
             d.stage[(W + i) * n + k] = (
-                T_INVERSE[i, 0] * d.dense[k] + T_INVERSE[i, 1] * d.dense[n + k] + T_INVERSE[i, 2] * d.dense[2 * n + k]
+                T_INVERSE[i, 0] * d.dense[k]
+                + T_INVERSE[i, 1] * d.dense[n + k]
+                + T_INVERSE[i, 2] * d.dense[2 * n + k]
             )
 
     for iteration in range(MAX_ITERATIONS):
@@ -238,7 +240,9 @@ def find_stages(m, d, s, h):
                 d.dense[i * n + k] = T[i, 0] * w0 + T[i, 1] * w1 + T[i, 2] * w2
 
         if size == 0.0 or (iteration > 0 and rate / (1.0 - rate) * size < tolerance):
-            steady = slip_rate < FAST or (iteration > 1 and slip_rate < STEADY and slip_rate < 1.1 * slip_rate_before)
+            steady = slip_rate < FAST or (
+                iteration > 1 and slip_rate < STEADY and slip_rate < 1.1 * slip_rate_before
+            )
 
             if slip == 0.0 or steady:
                 return CONVERGED, iteration + 1, rate, OK
@@ -410,7 +414,11 @@ def try_step(m, d, s, step, again):
 @inlined
 def length_after(d, step, error, iterations, rate):
     """Length (s) of the step after one that is accepted; counts it, and tells whether J is too old."""
-    factor = min(control.GROW, safety(iterations) * control.predictive_factor(error, d.error_before[0], step, d.step_before[0], ORDER))
+    factor = min(
+        control.GROW,
+        safety(iterations)
+        * control.predictive_factor(error, d.error_before[0], step, d.step_before[0], ORDER),
+    )
     d.steps[0] += 1.0
     d.error_sum[0] += error
     d.span[0] = step
@@ -432,7 +440,9 @@ def length_again(d, h, step, outcome, error, iterations, here, failure):
     d.rejected[0] += 1.0
 
     if error < math.inf:
-        factor = safety(iterations) * control.predictive_factor(error, d.error_before[0], step, d.step_before[0], ORDER)
+        factor = safety(iterations) * control.predictive_factor(
+            error, d.error_before[0], step, d.step_before[0], ORDER
+        )
         return step * max(control.SHRINK, factor)
 
     if here:

@@ -343,7 +343,6 @@ ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_85
 DENSE = np.array([_padded(rows, (N_DENSE - 3, N_STAGE)) for rows in (DENSE_54, DENSE_853)])
 
 
-
 def _gaps(pair, weights):
     """Combinations of the stages (len(weights), N_STAGE): how far the continuous extension of a pair misses its last states.
 
