@@ -38,6 +38,7 @@ UNITS: dict[str, Unit] = {
     "m/s2": Unit(m=1, s=-2),
     "m3/s2": Unit(m=3, s=-2),
     "rad": Unit(rad=1, display=(("deg", _DEG),)),
+    "rad/m": Unit(rad=1, m=-1),
     "rad/s": Unit(rad=1, s=-1, display=(("deg/s", _DEG), ("rpm", _RPM))),
     "rad/s2": Unit(rad=1, s=-2, display=(("deg/s2", _DEG),)),
     "N": Unit(kg=1, m=1, s=-2, display=(("kN", 1e-3), ("MN", 1e-6))),

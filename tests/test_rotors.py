@@ -7,8 +7,10 @@ from scenes import assert_near, evaluate, inverse_dynamics, mass_matrix, random_
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.export.description import description
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.scene.fields import unit_vector
+from mbdfmi.units import UNITS
 
 FORMULATIONS = ("recursive", "embedding", "augmented")
 TIGHT = {"tolerance": 1e-13}
@@ -299,3 +301,13 @@ def test_a_rotor_of_negative_inertia_is_told():
 
     with pytest.raises(SimulationError, match="rotor that turns with the joint of arm"):
         Instance(model, parameters={"hinge.turning.inertia": -1.0})
+
+
+def test_a_description_knows_the_units_of_a_winch():
+    """rad/m, the ratio of a rotor on a slide, is a unit of no other variable."""
+    slide = {"prismatic": {}, "between": ["ground", "b"], "turning": {"inertia": 0.1, "ratio": 3.0}}
+    model = compile_scene(
+        Scene(name="winch", body={"b": {"mass": 1.0, "inertia": [1, 1, 1]}}, joint={"slide": slide})
+    )
+    assert {v.unit for v in model.variables if v.unit} <= UNITS.keys()
+    assert b'<Unit name="rad/m">' in description(model)
