@@ -311,3 +311,10 @@ def test_a_description_knows_the_units_of_a_winch():
     )
     assert {v.unit for v in model.variables if v.unit} <= UNITS.keys()
     assert b'<Unit name="rad/m">' in description(model)
+
+
+def test_a_joint_may_be_called_as_its_body():
+    """Where absolute coordinates begin with joints of their own, too."""
+    hinge = {"revolute": {}, "between": ["ground", "b"], "turning": {"inertia": 0.1, "ratio": 3.0}, "start": {"angle": 0.4}}
+    data = {"name": "twins", "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}}, "joint": {"b": hinge | {"output": ["angle"]}}}
+    assert_near(run(data, 0.0, "augmented")["b.angle"], 0.4, 1e-15)

@@ -17,7 +17,7 @@ def start_motion(model):
     """How the bodies and joints of a model in relative coordinates start once its loops are closed.
 
     Returns (body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes, and
-    joint that a rotor turns with -> (position, speed); angles of joints: (joint, which of its coordinates) -> rad).
+    (joint that a rotor turns with, 0) -> (position, speed); angles of joints: (joint, which of its coordinates) -> rad).
     """
     m, d = model.views()
 
@@ -42,7 +42,7 @@ def start_motion(model):
         motion[body] = (q, v)
 
     for i in m.rotor_body:
-        motion[model.tree.nodes[i].joint] = (d.q[m.body_q[i]], d.v[m.body_v[i]])
+        motion[model.tree.nodes[i].joint, 0] = (d.q[m.body_q[i]], d.v[m.body_v[i]])
 
     return motion, _angles(model, m, d)
 
@@ -76,7 +76,7 @@ def add_absolute_starts(builder, motion):
             continue
 
         if node.joint:
-            q, v = motion[node.joint]
+            q, v = motion[node.joint, 0]
             builder.single["q_start"][builder.q[i]] = q
             builder.single["v_start"][builder.v[i]] = v
             continue

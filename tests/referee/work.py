@@ -1,8 +1,10 @@
 """What a process of the referee does with a seed; apart from `__main__`, which other processes cannot read."""
 
 import tomllib
+import traceback
 
 from . import coverage, shrink
+from .findings import Finding
 from .generator import draw
 from .interpreter import Interpreter
 from .verdicts import Verdict, judge
@@ -33,9 +35,12 @@ def one(seed, options, interpreter=None):
 
 
 def _verdict(data, seed, options, interpreter) -> Verdict:
-    return judge(
-        data, seed, None if options.no_interpreted else interpreter, not options.no_fmu, options.ways
-    )
+    try:
+        return judge(
+            data, seed, None if options.no_interpreted else interpreter, not options.no_fmu, options.ways
+        )
+    except Exception:
+        return Verdict(seed, findings=[Finding("crashed", "judging", text=traceback.format_exc())])
 
 
 def _scene(seed, options):
