@@ -680,3 +680,24 @@ def test_slack_at_the_start_of_this_run():
     assert found["strut.tension"] == 0.0
     instance.step(0.5)
     assert named(instance)["strut.tension"] == pytest.approx(100 * (named(instance)["strut.length"] - found["strut.length"]), abs=1e-9)
+
+
+def test_an_output_does_not_change_how_a_start_gives_way():
+    """The size of the parts, by which lengths count beside angles, is that of the joints' markers, not of what is looked at."""
+    bar = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1], "marker": {"end": {"position": [0, 0, -1.3]}}}
+    hinge = {"revolute": {"axis": "y"}}
+    scene = {
+        "name": "arms",
+        "ground": {"marker": {"far": {"position": [2.0, 0, 0]}}},
+        "body": {name: bar for name in "abc"},
+        "joint": {
+            "p": hinge | {"between": ["ground", "a"], "start": {"angle": 0.3}},
+            "q": hinge | {"between": ["a.end", "b"], "start": {"angle": -1.1}},
+            "r": {"prismatic": {"axis": "x"}, "between": ["b.end", "c"], "start": {"position": 0.4}},
+            "s": hinge | {"between": ["c", "ground.far"]},
+        },
+    }
+    plain = Instance(compile_scene(Scene.model_validate(scene)))
+    seen = bar | {"marker": bar["marker"] | {"mast": {"position": [0, 40.0, 0], "output": ["position"]}}, "output": ["omega"]}
+    watched = Instance(compile_scene(Scene.model_validate(scene | {"body": scene["body"] | {"b": seen}})))
+    assert plain.d.x.tobytes() == watched.d.x.tobytes()

@@ -210,15 +210,15 @@ def _values(builder, first_name):
     for name in ("told_place", "stop_place"):
         values[name] = np.asarray(values.get(name, ())) + first_name
 
-    values["scene_length"] = _scene_length(values)
+    values["scene_length"] = _scene_length(builder.scene)
     values["body_added"] = _bodies_with_added_mass(values, len(builder.nodes))
     return values
 
 
-def _scene_length(values):
-    """m, size of the parts: mean distance of markers, and of joints on their parents, from their nodes' origins."""
-    arms = np.reshape(np.concatenate([values["marker_r"], values["body_r"]]), (-1, 3))
-    lengths = np.linalg.norm(arms, axis=1)
+def _scene_length(scene):
+    """m, size of the parts: mean distance of the joints' markers from the origins of their bodies, whatever else is asked for."""
+    ends = [end for joint in scene.joint.values() for end in joint.between]
+    lengths = np.linalg.norm([scene.marker_pose(end)[1] for end in ends], axis=1) if ends else np.zeros(0)
     lengths = lengths[lengths > 0.0]
     return lengths.mean() if lengths.size else 1.0
 
