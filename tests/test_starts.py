@@ -689,7 +689,7 @@ def test_an_output_does_not_change_how_a_start_gives_way():
     scene = {
         "name": "arms",
         "ground": {"marker": {"far": {"position": [2.0, 0, 0]}}},
-        "body": {name: bar for name in "abc"},
+        "body": dict.fromkeys("abc", bar),
         "joint": {
             "p": hinge | {"between": ["ground", "a"], "start": {"angle": 0.3}},
             "q": hinge | {"between": ["a.end", "b"], "start": {"angle": -1.1}},
