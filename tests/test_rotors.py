@@ -318,3 +318,34 @@ def test_a_joint_may_be_called_as_its_body():
     hinge = {"revolute": {}, "between": ["ground", "b"], "turning": {"inertia": 0.1, "ratio": 3.0}, "start": {"angle": 0.4}}
     data = {"name": "twins", "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}}, "joint": {"b": hinge | {"output": ["angle"]}}}
     assert_near(run(data, 0.0, "augmented")["b.angle"], 0.4, 1e-15)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_inverse_dynamics_turns_the_rotor_too(formulation, reverse):
+    """A base and an arm about parallel axes: (I + n^2 J) q'' and n J times the other's acceleration; the told efforts in closed form."""
+    ends = ["base", "arm"]
+    data = {
+        "name": "motors", "gravity": [0, 0, 0], "solver": {"formulation": formulation},
+        "body": {"base": {"mass": 1.0, "inertia": [1, 1, 3.0]}, "arm": {"mass": 1.0, "inertia": [1, 1, 0.5]}},
+        "joint": {
+            "yaw": {"revolute": {"axis": "z"}, "between": ["ground", "base"], "input": "torque"},
+            "elbow": {
+                "revolute": {"axis": "z"}, "between": ends[::-1] if reverse else ends, "input": "torque",
+                "turning": {"inertia": 0.02, "ratio": 50.0},
+            },
+        },
+    }  # fmt: skip
+    times = np.linspace(0.0, 1.0, 21)
+    sign = -1.0 if reverse else 1.0
+    found = Scene.model_validate(data).inverse(
+        {"yaw.angle": 0.7 * times**2, "elbow.angle": sign * 0.4 * times**2}, times
+    )
+    a, b, nJ = 1.4, 0.8, 1.0
+
+    # T of the rotor: n^2 J b'^2 / 2 and n J b' times the speed of its host, the elbow's first body: base, or arm turned round
+    yaw = 3.0 * a + 0.5 * (a + b) + sign * nJ * b
+    elbow = 0.5 * (a + b) + 50.0 * nJ * b + (-nJ * (a + 2.0 * b) if reverse else nJ * a)
+    inside = slice(3, -3)
+    assert_near(sign * found["elbow.torque"][inside], elbow, 1e-8)
+    assert_near(found["yaw.torque"][inside], yaw, 1e-8)

@@ -7,6 +7,7 @@ import numpy as np
 from ..compiler.joint_kinds import POSES, kind_of
 from ..compiler.topology import spanning_tree
 from ..kernels import joints
+from ..kernels.joints import rotors
 from ..kernels.math import algebra
 from ..scene.errors import listed
 from ..vocabulary import coordinate_names
@@ -140,7 +141,10 @@ class DrivenPart:
 
         if not self.is_pose:
             borne = [(moment if m.body_joint[i] == joints.REVOLUTE else force)[i] for i in self.nodes]
-            return np.sum(d.axis.reshape(-1, 3)[self.nodes] * borne, axis=1) - d.tau[self.velocities(m)]
+            turned = [rotors.effort(m, d, i) if rotors.has(m, i) else 0.0 for i in self.nodes]
+            return (
+                np.sum(d.axis.reshape(-1, 3)[self.nodes] * borne, axis=1) + turned - d.tau[self.velocities(m)]
+            )
 
         i = self.nodes[0]
         moment, force = moment[i], force[i]
