@@ -113,7 +113,8 @@ class ConstantVelocity(Constraint):
     """A constant-velocity joint between two shafts that turn equally fast at any bend, as Rzeppa's.
 
     The markers' origins stay together. The joint's axis is that of the shafts; the markers' axes are parallel where it is
-    straight. It only takes freedoms away: bearings, or a free joint, lead the shafts to the ground.
+    straight. It only takes freedoms away: bearings, or a free joint, lead the shafts to the ground. Shafts that fold back on each
+    other, by more than about 179.9 deg, are not told from each other any more, and come loose.
     """
 
     kind: ClassVar[str] = "constant_velocity"

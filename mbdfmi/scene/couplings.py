@@ -35,7 +35,7 @@ class CouplingBase(Part):
     between : names of the joints.
     output : "efforts", what the coupling exerts on the second markers of its joints along these, in their order, N m or N, as
         a tooth or a rope does; the power of all together is 0.
-    kinds : of joints that it can be between, the first's and the second's, which also is that of more.
+    kinds : of joints that the first and the others may be.
     """
 
     kinds: ClassVar[tuple] = (("revolute", "prismatic"), ("revolute", "prismatic"))

@@ -122,7 +122,7 @@ class Turning(Part):
     Its mass, and its inertia as if it were locked, belong to the body that bears it. Beside them come ratio^2 inertia on the
     joint, and the angular momentum ratio inertia speed of that body about the axis: where the body turns the rotor resists,
     and where the joint speeds up it turns the body. A joint with a rotor does not close loops: where all joints of a loop
-    have rotors, one of them must go without.
+    have rotors, one of them must go without. Efforts of inputs and drivers are those on the joint, behind the gear.
     """
 
     inertia: NotNegative = Field(description="inertia about its axis in kg m2")
@@ -133,7 +133,7 @@ class Revolute(Driveable):
     """Rotation about an axis. damper : N m s/rad. input : torque, N m. turning : a rotor that turns with it.
 
     output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
-        marker along the joint, N m ("effort" is the driver's too), and the power of all these on the bodies, W.
+        marker along the joint, N m ("effort" is the driver's, too: it needs one), and the power of all these on the bodies, W.
     """
 
     kind: ClassVar[str] = "revolute"
@@ -155,7 +155,7 @@ class Prismatic(Driveable):
     """Translation along an axis. damper : N s/m. input : force, N. turning : a rotor that turns with it.
 
     output : beside motion and reactions, what spring, damper, friction, stop, input and driver each exert on the second
-        marker along the joint, N ("effort" is the driver's too), and the power of all these on the bodies, W.
+        marker along the joint, N ("effort" is the driver's, too: it needs one), and the power of all these on the bodies, W.
     """
 
     kind: ClassVar[str] = "prismatic"

@@ -148,7 +148,32 @@ def _begins_to_move(interpolation, rows):
     return any(np.any(row[0] != (row[1] if interpolation == "smooth" else row)) for row in rows)
 
 
-RULES = (far_angles, far_sizes, coarse_tolerance, inertia_of_no_body, idle_spins, jumping_speeds)
+def orbit_of_another_centre(scene):
+    """A ground that goes round faster or slower than central gravity lets bodies go."""
+    orbit = scene.ground.motion and scene.ground.motion.elliptic_orbit
+
+    if not (orbit and scene.central_gravity):
+        return
+
+    mu = orbit.mean_motion() ** 2 * orbit.semi_major_axis**3
+
+    if abs(mu - scene.central_gravity.mu) > 1e-3 * scene.central_gravity.mu:
+        text = (
+            f"goes round as about a centre of mu = {mu:.6g} m3/s2, central_gravity.mu is "
+            f"{scene.central_gravity.mu:.6g}: bodies do not keep up with the ground; lengths are in m, mu in m3/s2"
+        )
+        yield Problem(("ground", "motion", "elliptic_orbit"), text)
+
+
+RULES = (
+    far_angles,
+    far_sizes,
+    coarse_tolerance,
+    inertia_of_no_body,
+    idle_spins,
+    jumping_speeds,
+    orbit_of_another_centre,
+)
 
 
 def notices(scene):
