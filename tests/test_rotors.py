@@ -349,3 +349,15 @@ def test_inverse_dynamics_turns_the_rotor_too(formulation, reverse):
     inside = slice(3, -3)
     assert_near(sign * found["elbow.torque"][inside], elbow, 1e-8)
     assert_near(found["yaw.torque"][inside], yaw, 1e-8)
+
+
+def test_rotors_determine_no_reaction():
+    """Four parallel hinges in a loop share what acts across their plane, whatever turns with one of them."""
+    bar = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1], "marker": {"end": {"position": [0, 0, -1.0]}}}
+    ends = [["ground", "a"], ["a.end", "b"], ["b.end", "c"], ["c.end", "ground.far"]]
+    joint = {name: {"revolute": {"axis": "y"}, "between": between} for name, between in zip("pqrs", ends)}
+    joint["p"]["start"], joint["q"]["start"], joint["r"]["start"] = {"angle": 0.4}, {"angle": -1.9}, {"angle": -1.7}
+    joint["q"]["turning"] = {"inertia": 0.1, "ratio": 3.0}
+    ground = {"marker": {"far": {"position": [1.0, 0, 0]}}}
+    scene = Scene(name="loop", body={name: bar for name in "abc"}, joint=joint, ground=ground)
+    assert {reaction.owner for reaction in scene.structure().undetermined} == set("pqrs")

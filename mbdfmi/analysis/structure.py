@@ -88,15 +88,19 @@ def structure(scene) -> Structure:
 def _with_all_joints(scene, formulation):
     """The scene with fixed joints that are not welds, for then they have equations and reactions.
 
-    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own;
-    ranks do not depend on it.
+    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do not depend on it, nor
+    on rotors, which would keep their joints in the tree.
     """
-    kept = {
-        name: joint.model_copy(update={"output": [*joint.output, "reaction_force"]})
-        if joint.kind == "fixed" and not joint.output
-        else joint
-        for name, joint in scene.joint.items()
-    }
+    kept = {}
+
+    for name, joint in scene.joint.items():
+        changed = {"turning": None} if getattr(joint, "turning", None) else {}
+
+        if joint.kind == "fixed" and not joint.output:
+            changed["output"] = ["reaction_force"]
+
+        kept[name] = joint.model_copy(update=changed)
+
     solver = scene.solver.model_copy(update={"formulation": formulation})
     bodies = {name: _with_inertia(body) for name, body in scene.body.items()}
     return scene.model_copy(update={"body": bodies, "joint": kept, "solver": solver})
