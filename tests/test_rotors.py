@@ -359,5 +359,5 @@ def test_rotors_determine_no_reaction():
     joint["p"]["start"], joint["q"]["start"], joint["r"]["start"] = {"angle": 0.4}, {"angle": -1.9}, {"angle": -1.7}
     joint["q"]["turning"] = {"inertia": 0.1, "ratio": 3.0}
     ground = {"marker": {"far": {"position": [1.0, 0, 0]}}}
-    scene = Scene(name="loop", body={name: bar for name in "abc"}, joint=joint, ground=ground)
+    scene = Scene(name="loop", body=dict.fromkeys("abc", bar), joint=joint, ground=ground)
     assert {reaction.owner for reaction in scene.structure().undetermined} == set("pqrs")

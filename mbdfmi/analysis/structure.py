@@ -88,13 +88,13 @@ def structure(scene) -> Structure:
 def _with_all_joints(scene, formulation):
     """The scene with fixed joints that are not welds, for then they have equations and reactions.
 
-    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do not depend on it, nor
-    on rotors, which would keep their joints in the tree.
+    Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do
+    not depend on it, nor on rotors, which would keep their joints in the tree.
     """
     kept = {}
 
     for name, joint in scene.joint.items():
-        changed = {"turning": None} if getattr(joint, "turning", None) else {}
+        changed: dict = {"turning": None} if getattr(joint, "turning", None) else {}
 
         if joint.kind == "fixed" and not joint.output:
             changed["output"] = ["reaction_force"]
