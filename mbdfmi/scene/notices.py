@@ -150,7 +150,7 @@ def _begins_to_move(interpolation, rows):
 
 def orbit_of_another_centre(scene):
     """A ground that goes round faster or slower than central gravity lets bodies go."""
-    orbit = scene.ground.motion and scene.ground.motion.elliptic_orbit
+    orbit = getattr(scene.ground.motion, "elliptic_orbit", None)
 
     if not (orbit and scene.central_gravity):
         return
