@@ -304,16 +304,16 @@ UNDONE = [
     ),
     Undone(
         13, "degrees written as radians are not noticed", "scene/notices.py",
-        "RULES = (far_angles, ", "RULES = (", "tests/test_told.py",
+        "RULES = (\n    far_angles,\n", "RULES = (\n", "tests/test_told.py",
     ),
     Undone(
         13, "a body in mm among others in m is not noticed", "scene/notices.py",
-        " far_sizes, coarse_tolerance,", " coarse_tolerance,",
+        "    far_sizes,\n    coarse_tolerance,\n", "    coarse_tolerance,\n",
         "tests/test_told.py",
     ),
     Undone(
-        13, "a coarse absolute tolerance is not noticed", "scene/notices.py", " far_sizes, coarse_tolerance,",
-        " far_sizes,", "tests/test_told.py",
+        13, "a coarse absolute tolerance is not noticed", "scene/notices.py",
+        "    far_sizes,\n    coarse_tolerance,\n", "    far_sizes,\n", "tests/test_told.py",
     ),
     Undone(
         13, "what sticks by friction creeps", "scene/efforts.py", "smoothing_speed: Positive = 3.7e-7",
