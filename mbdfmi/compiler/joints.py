@@ -5,6 +5,7 @@ import numpy as np
 from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
+from .bodies import MARKER_KINDS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
 from .end_frames import add_parameter_outputs
@@ -12,15 +13,8 @@ from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
 from .variables import dotted
 
-POSE_KINDS = {
-    "position": outputs.POSITION,
-    "velocity": outputs.VELOCITY,
-    "euler_parameters": outputs.EULER_PARAMETERS,
-    "zyx": outputs.ZYX,
-    "zyx_rate": outputs.ZYX_RATE,
-    "omega": outputs.OMEGA,
-    "alpha": outputs.ALPHA,
-}
+# a joint is seen as its second marker from its first
+POSE_KINDS = {word: MARKER_KINDS[word] for word in POSE_OUTPUTS | ROTATION_OUTPUTS}
 REACTION_KINDS = {"reaction_force": outputs.REACTION_FORCE, "reaction_moment": outputs.REACTION_MOMENT}
 EFFORT_KINDS = {
     "spring": outputs.SPRING_EFFORT,
