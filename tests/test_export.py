@@ -79,15 +79,61 @@ def test_variables_and_structure(exported):
     assert [v.get("valueReference") for v in variables] == [str(i) for i in range(len(variables))]
     assert all(v.get("description") for v in variables)
 
-    for section, dependencies in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
+    known = [k for k, v in enumerate(model.variables) if v.causality != "output"]
+    parameters = [k for k in known if model.variables[k].causality == "parameter"]
+
+    for section, more in (("Outputs", []), ("InitialUnknowns", parameters)):
         unknowns = root.findall(f"ModelStructure/{section}/Unknown")
         assert [int(u.get("index")) for u in unknowns] == outputs
 
         for u in unknowns:
             given = u.get("dependencies")
-            assert given == given.strip()
-            expected = getattr(model.variables[int(u.get("index")) - 1], dependencies)
-            assert [int(k) - 1 for k in given.split()] == sorted(expected)
+            expected = [*model.variables[int(u.get("index")) - 1].depends, *more]
+
+            # absent means: on all that is known
+            if given is None:
+                assert section == "InitialUnknowns" and expected == known
+            else:
+                assert given == given.strip()
+                assert [int(k) - 1 for k in given.split()] == expected
+
+
+def chain(n, **joint_keys):
+    """A chain of n bodies, with positions, velocities and accelerations out."""
+    output = ["position", "velocity", "acceleration", "euler_parameters"]
+    end = {"marker": {"end": {"position": [1, 0, 0]}}, "output": output}
+    body = {f"b{k}": {"mass": 1, "inertia": [0.01] * 3, **end} for k in range(n)}
+    between = [["ground", "b0"], *([f"b{k - 1}.end", f"b{k}"] for k in range(1, n))]
+    joint = {f"j{k}": {"revolute": {}, "between": between[k], **joint_keys} for k in range(n)}
+    return Scene(name="chain", body=body, joint=joint)
+
+
+@pytest.mark.parametrize("with_inputs", [False, True])
+def test_initial_unknowns_grow_as_the_outputs_do(with_inputs):
+    """Not as outputs times parameters; Outputs keep what they depend on."""
+    size = {}
+
+    for n in (64, 256):
+        model = compile_scene(chain(n, **({"input": "torque"} if with_inputs else {})))
+        root = etree.fromstring(description.description(model))
+        size[n] = len(etree.tostring(root.find("ModelStructure/InitialUnknowns")))
+        outputs = [u.get("dependencies") for u in root.find("ModelStructure/Outputs")]
+        exact = [[str(k + 1) for k in v.depends] for v in model.of_causality("output")]
+        assert [given.split() for given in outputs] == exact
+
+    assert size[256] < 4.5 * size[64]
+    assert size[256] < 500_000
+
+
+def test_initial_unknowns_of_a_small_model_are_exact():
+    """A position does not feel a torque at the start: it lists all that is known but the inputs; what feels all lists nothing."""
+    model = compile_scene(chain(3, input="torque"))
+    root = etree.fromstring(description.description(model))
+    parameters = " ".join(str(k) for k, v in enumerate(model.variables, 1) if v.causality == "parameter")
+    given = {int(u.get("index")): u.get("dependencies") for u in root.find("ModelStructure/InitialUnknowns")}
+
+    for index, found in given.items():
+        assert found == (None if "acceleration" in model.variables[index - 1].name else parameters)
 
 
 def test_only_used_units_are_defined(exported):

@@ -1,6 +1,5 @@
 """What the parts of a scene are collected into while they become a model."""
 
-import itertools
 import warnings
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,6 +12,7 @@ from ..kernels.joints import KINDS, N_Q, N_V
 from ..kernels.math import tables
 from ..kernels.motion import coordinates
 from ..scene import Problem, SceneData
+from .dependencies import Dependencies
 from .interpolation import curve
 from .joint_kinds import kind_of, led_too
 from .start import coupled_angles
@@ -395,7 +395,6 @@ class Builder:
     def list_variables(self, offset):
         """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
         inputs = [Variable(*given.fields) for given in self.inputs]
-        first = len(inputs) + len(self.outputs)
         guess = ", a guess: joints in loops and couplings lead it elsewhere"
         parameters = [
             Variable(
@@ -409,57 +408,10 @@ class Builder:
             )
             for parameter in self.parameters
         ]
-        island = self._islands(self.constraint_nodes)
-        reach = self._islands(self.constraint_nodes + self.force_nodes)
-        results = []
-
-        for output in self.outputs:
-            # accelerations and reactions feel all inputs at once that act on the same island, others only those that move it;
-            # what moves an island changes the forces between it and others
-            accelerates = output.kind in outputs.ACCELERATES
-            led = output.nodes | output.moved_by
-            depends = tuple(
-                k
-                for k, given in enumerate(self.inputs)
-                if k in output.fed_by
-                or (
-                    (given.moves or accelerates)
-                    and _share(
-                        reach if given.moves and accelerates else island,
-                        led if given.moves else output.nodes,
-                        given.nodes,
-                    )
-                )
-            )
-
-            initial = (*depends, *range(first, first + len(parameters)))
-            results.append(Variable(*output.fields, depends=depends, initial_depends=initial))
-
+        dependencies = Dependencies(self)
+        results = [Variable(*output.fields, depends=dependencies.of(output)) for output in self.outputs]
         return [*inputs, *results, *parameters]
-
-    def _islands(self, groups):
-        """For each node the number of its island: what joints and groups of nodes hold together, the ground left out."""
-        leader = list(range(len(self.nodes)))
-
-        def find(i):
-            while leader[i] != i:
-                i = leader[i]
-
-            return i
-
-        links = [(i, node.parent) for i, node in enumerate(self.nodes)]
-        moving = [[i for i in nodes if i > 0] for nodes in [*links, *groups]]
-
-        for i, j in (pair for nodes in moving for pair in itertools.pairwise(nodes)):
-            leader[find(i)] = find(j)
-
-        return [find(i) for i in range(len(self.nodes))]
 
     def marker_node(self, k):
         """Node of marker k."""
         return int(self.tables["n_marker"].columns["marker_body"][k][0])
-
-
-def _share(island, nodes, others):
-    """Whether some of two sets of nodes are on one island."""
-    return not {island[i] for i in nodes}.isdisjoint(island[i] for i in others)

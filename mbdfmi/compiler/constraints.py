@@ -1,5 +1,7 @@
 """Joints that close loops, rolling and couplings as rows, in an order that keeps their factor sparse."""
 
+import heapq
+
 from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
@@ -132,20 +134,26 @@ def _elimination(neighbours):
     places in the order).
     """
     left = [set(near) for near in neighbours]
-    waiting = set(range(len(left)))
+    waiting = [(len(near), k) for k, near in enumerate(left)]
+    heapq.heapify(waiting)
     order = []
     earlier = [[] for _ in left]
+    done = set()
 
     while waiting:
-        c = min(waiting, key=lambda k: (len(left[k]), k))
-        waiting.remove(c)
+        fewest, c = heapq.heappop(waiting)
+
+        if c in done or fewest != len(left[c]):
+            continue
 
         for k in left[c]:
             earlier[k].append(len(order))
             left[k] |= left[c]
             left[k] -= {k, c}
+            heapq.heappush(waiting, (len(left[k]), k))
 
         order.append(c)
+        done.add(c)
 
     return order, [earlier[c] for c in order]
 

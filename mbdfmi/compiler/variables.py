@@ -26,8 +26,7 @@ class Variable:
     start : value at the start; None for outputs.
     unit : key of `units.UNITS`, None without unit.
     index : position in the buffer `u`, `y` or `reals`.
-    depends : of an output: value references of the inputs that act on it at the same instant.
-    initial_depends : of an output: value references of the inputs and parameters that act on it at the start.
+    depends : of an output: value references of the inputs that act on it at the same instant; at the start all parameters do too.
     """
 
     name: str
@@ -38,7 +37,6 @@ class Variable:
     description: str
     index: int
     depends: tuple[int, ...] = ()
-    initial_depends: tuple[int, ...] = ()
 
     @property
     def row(self) -> tuple[int, int]:

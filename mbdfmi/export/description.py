@@ -23,6 +23,9 @@ LOG_CATEGORIES = {
 STOP_TIME = 10.0  # s, only a proposal to the tool
 STEP_SIZE = 0.01  # s, likewise
 
+# dependencies at the start that are written in all, about 0.5 MB
+MOST_LISTED = 100_000
+
 
 class DescriptionError(Exception):
     """The description does not keep to the FMI schema; the text lists where."""
@@ -155,16 +158,28 @@ def _variables(root, model) -> None:
 
 
 def _structure(root, model) -> None:
-    """Which outputs there are and what they depend on; indices count from 1."""
+    """Which outputs there are and what they depend on; indices count from 1.
+
+    At the start that is the same inputs and all parameters. An Unknown without `dependencies` depends on all that is known
+    (FMI 2.0.4, 2.2.8), so this is not written where it is so, nor where it would take more than MOST_LISTED.
+    """
     structure = etree.SubElement(root, "ModelStructure")
     outputs = [(i, v) for i, v in enumerate(model.variables, 1) if v.causality == "output"]
 
-    for section, dependencies in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
-        if not outputs:
-            break
+    if not outputs:
+        return
 
-        element = etree.SubElement(structure, section)
-        for index, variable in outputs:
-            places = sorted(reference + 1 for reference in getattr(variable, dependencies))
-            known = " ".join(map(str, places))
-            etree.SubElement(element, "Unknown", index=str(index), dependencies=known)
+    inputs = len(model.of_causality("input"))
+    parameters = range(inputs + len(outputs), len(model.variables))
+    partial = [v for _, v in outputs if len(v.depends) < inputs]
+    lists = sum(len(v.depends) + len(parameters) for v in partial) <= MOST_LISTED
+    all_parameters = " ".join(str(k + 1) for k in parameters)
+    now, start = (etree.SubElement(structure, section) for section in ("Outputs", "InitialUnknowns"))
+
+    for index, variable in outputs:
+        known = " ".join(str(k + 1) for k in variable.depends)
+        etree.SubElement(now, "Unknown", index=str(index), dependencies=known)
+        unknown = etree.SubElement(start, "Unknown", index=str(index))
+
+        if lists and len(variable.depends) < inputs:
+            unknown.set("dependencies", f"{known} {all_parameters}".strip())

@@ -5,6 +5,8 @@ that one reading finds all that is wrong. What has not the right form is passed 
 its message from the schema.
 """
 
+from itertools import permutations
+
 from pydantic import BaseModel
 
 from .constraints import CONSTRAINTS
@@ -45,7 +47,7 @@ def cross_references(data):
 
     markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
     markers["ground"] = _plain_entries(ground, "marker")
-    markers["inertial"] = []
+    markers["inertial"] = {}
     wrong = _misplaced(data, markers, joints)
     problems += wrong
     shapes = {
@@ -147,7 +149,7 @@ def _plain(name):
 
 
 def _plain_entries(holder, key):
-    return [_plain(name) for name in _entries(holder, key)]
+    return dict.fromkeys(_plain(name) for name in _entries(holder, key))
 
 
 def _ends(entry):
@@ -262,10 +264,10 @@ def _wrong_ends(table, ends, markers, joints):
 def _wrong_end(end, markers, joints):
     """What is wrong with one end (a list of names), or None."""
     body, written = end[0], ".".join(end)
-    known = [*markers, *(f"{b}.{marker}" for b in markers for marker in markers[b])]
-    if written in known:
+    if body in markers and (len(end) == 1 or end[1] in markers[body]):
         return None
 
+    known = [*markers, *(f"{b}.{marker}" for b in markers for marker in markers[b])]
     if body in markers:
         frames = {"ground": "the ground", "inertial": "the inertial frame"}
         owner = frames.get(body, f"body {quoted(body)}")
@@ -305,7 +307,12 @@ def _constraint_kind(joint):
 
 def _loose_bodies(bodies, joined):
     """Problems of bodies from which no chain of joints (name, joint, ends) leads to ground."""
-    edges = [{end[0] for end in ends} for _, joint, ends in joined if not _constraint_kind(joint)]
+    neighbours = {}
+    for _, joint, ends in joined:
+        if not _constraint_kind(joint):
+            for one, other in permutations([end[0] for end in ends], 2):
+                neighbours.setdefault(one, []).append(other)
+
     # body: a joint that only constrains it
     slack = {
         end[0]: (name, kind)
@@ -313,10 +320,11 @@ def _loose_bodies(bodies, joined):
         if (kind := _constraint_kind(joint))
         for end in ends
     }
-    reached, before = set(FRAMES), None
-    while reached != before:
-        before = reached
-        reached = reached.union(*(edge for edge in edges if edge & reached))
+    reached, waiting = set(FRAMES), list(FRAMES)
+    while waiting:
+        new = set(neighbours.get(waiting.pop(), ())) - reached
+        reached |= new
+        waiting += new
 
     problems = []
     for name in bodies:

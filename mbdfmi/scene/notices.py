@@ -5,6 +5,7 @@ Each of `RULES` takes a valid scene and yields a `Problem` (where, and what) for
 initialisation ends. Of what the compiler or the kernels do with a scene: `Builder.notice`, `kernels/status.py`.
 """
 
+from functools import cache
 from math import hypot, pi
 
 import numpy as np
@@ -21,12 +22,11 @@ JUMP = 300.0
 def far_angles(scene):
     """Angles given in rad that read like degrees: beyond a full turn, and whole or halves."""
     for path, part in _parts(scene):
-        for key, value in part:
-            if f"{key}_deg" not in type(part).model_fields or "speed" in key or value is None:
-                continue
+        for key in _angles(type(part)):
+            value = getattr(part, key)
 
             for name, one in value.items() if isinstance(value, dict) else [(None, value)]:
-                values = _numbers(one)
+                values = _numbers(one) if value is not None else ()
 
                 if len(values) <= 2 and any(abs(v) > 2 * pi and 2 * v == round(2 * v) for v in values):
                     turns = ", ".join(f"{v / (2 * pi):.3g}" for v in values)
@@ -35,6 +35,13 @@ def far_angles(scene):
                         f"{show(one)} is in rad, {turns} full turns; for degrees write {key}_deg = {degrees}"
                     )
                     yield Problem((*path, key, *([name] if name else [])), text)
+
+
+@cache
+def _angles(kind):
+    """Keys of a kind of Part that are angles in rad, and could be given in degrees."""
+    fields = kind.model_fields
+    return [key for key in fields if f"{key}_deg" in fields and "speed" not in key]
 
 
 def far_sizes(scene):
@@ -85,18 +92,17 @@ def idle_spins(scene):
         * max((body.mass_properties()[0] for body in scene.body.values()), default=0.0)
     )
 
-    for name, body in scene.body.items():
-        held = [
-            (joint.kind, scene.marker_pose(end)[1])
-            for joint in scene.joint.values()
-            for end in joint.between
-            if end.split(".")[0] == name
-        ]
+    held = {name: [] for name in scene.body}
 
-        if len(held) != 2 or any(kind not in ("spherical", "distance") for kind, _ in held):
+    for joint in scene.joint.values():
+        for end in joint.between:
+            held.get(end.split(".")[0], []).append((joint.kind, end))
+
+    for name, body in scene.body.items():
+        if len(held[name]) != 2 or any(kind not in ("spherical", "distance") for kind, _ in held[name]):
             continue
 
-        (_, a), (_, b) = held
+        a, b = (scene.marker_pose(end)[1] for _, end in held[name])
         length = norm(b - a)
         mass, com, inertia = body.mass_properties()
         line = (b - a) / length if length > 0.0 else b

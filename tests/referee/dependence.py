@@ -78,8 +78,9 @@ def told(model):
             )
 
     n_u = len(model.of_causality("input"))
+    parameters = set(range(n_u + len(model.of_causality("output")), len(model.variables)))
 
-    for section, listed in (("Outputs", "depends"), ("InitialUnknowns", "initial_depends")):
+    for section, more in (("Outputs", set()), ("InitialUnknowns", parameters)):
         unknowns = {
             int(u.get("index")) - 1: u.get("dependencies") for u in root.findall(f"ModelStructure/{section}/Unknown")
         }
@@ -87,7 +88,7 @@ def told(model):
         for k, v in enumerate(model.of_causality("output"), n_u):
             if k not in unknowns:
                 wrong(v.name, f"not among the {section} of ModelStructure")
-            elif unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != set(getattr(v, listed)):
-                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted(getattr(v, listed))}")
+            elif unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != {*v.depends, *more}:
+                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted({*v.depends, *more})}")
 
     return found
