@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from mbdfmi.scene import fields, schema
+from mbdfmi.scene import fields, geometry, looks, schema
 from mbdfmi.scene.fields import Part
 
 FOLDER = Path(__file__).parent
@@ -26,6 +26,13 @@ KINDS = {
     schema.Text: "text",
     schema.Title: "text",
     schema.Name: "name",
+    geometry.MeshName: "name of a file",
+    geometry.Scale: "number, not 0, or 3 of them",
+    looks.Colour: "name of a CSS colour or `\"#rrggbb\"`",
+    looks.Opacity: "number above 0, at most 1",
+    looks.Line: "list of ends",
+    looks.FrameName: "text",
+    looks.Names: "list of names",
 }
 
 

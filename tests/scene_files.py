@@ -353,9 +353,47 @@ point_on_surface = {}
 between = ["ground.ring", "follower"]
 """
 
+LOOKS = """\
+name = "looks"
+
+[view]
+up = "z"
+water = 0.5
+ground = "none"
+frame = "mast"
+look_from = [1, -1, 0.5]
+paths = ["mast.top"]
+plots = ["sway.angle"]
+
+[ground]
+colour = "grey"
+shape = { box = { size = [2, 2, 0.1] }, position = [0, 0, -0.05] }
+marker.wall = { position = [1, 0, 0], shape = { tube = { radius = 0.2, inner_radius = 0.1, length = 1 }, axis = "x" } }
+
+[body.mast]
+mass = 1
+inertia = [1, 1, 1]
+colour = "#4682b4"
+shape = [
+    { capsule = { radius = 0.1, length = 1 }, position = [0, 0, 0.5], opacity = 0.5 },
+    { cone = { radius = 0.1, top_radius = 0.05, length = 1 }, zyx_deg = [0, 90, 0], colour = "tomato" },
+    { mesh = { file = "parts/hook.stl", scale = 0.001 } },
+    { mesh = { file = "hull.obj", scale = [1, 1, -1] }, position = [0, 0, 1] },
+    { line = ["mast", "mast.top"], radius = 0.01 },
+    { sphere = { radius = 1 } },
+    { cylinder = { radius = 1, length = 1 } },
+]
+marker.top = { position = [0, 0, 1], colour = "red" }
+
+[joint.sway]
+revolute = { axis = "y" }
+between = ["ground.wall", "mast"]
+output = ["angle"]
+"""
+
 GOOD = {
     "arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS,
-    "shapes": SHAPES,
+    "shapes": SHAPES, "looks": LOOKS,
 }
 
 

@@ -1,7 +1,7 @@
 """What is said of mistakes in a scene file, word for word."""
 
 import pytest
-from scene_files import ARM, BARGE, CARRIAGE, DRIVES, LOADS, SHAPES, outcome
+from scene_files import ARM, BARGE, CARRIAGE, DRIVES, LOADS, LOOKS, SHAPES, outcome
 
 from mbdfmi.scene import SceneError, read_scene
 
@@ -10,9 +10,49 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 ORBIT = 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }'
 MESSAGES = [
+    (LOOKS, 'frame = "mast"', 'frame = "mats"', [
+        '[view] frame: no body "mats"; there is "mast", "ground" and "inertial". Did you mean "mast"?',
+    ]),
+    (LOOKS, 'paths = ["mast.top"]', 'paths = ["mast", "mast.tp"]', [
+        '[view] paths[2]: no marker "tp" on body "mast"; it has "top". Did you mean "mast.top"?',
+    ]),
+    (LOOKS, 'plots = ["sway.angle"]', 'plots = [1]', [
+        '[view] plots: needs a list of names in quotes, found [1]',
+    ]),
+    (LOOKS, 'look_from = [1, -1, 0.5]', 'look_from = [0, 0, 0]', [
+        '[view] look_from: needs a direction, found [0, 0, 0]',
+    ]),
+    (LOOKS, 'colour = "grey"', 'color = "grey"', [
+        '[ground] color: unknown key; there is "colour", "shape", "motion", "output" and "marker". '
+        'Did you mean "colour"?',
+    ]),
+    (LOOKS, '"tomato"', '"tomatoe"', [
+        '[body.mast] shape[2].colour: no colour "tomatoe"; there are the names of CSS, as "steelblue", and '
+        '"#rrggbb". Did you mean "tomato"?',
+    ]),
+    (LOOKS, 'opacity = 0.5', 'opacity = 2', [
+        '[body.mast] shape[1].opacity: must be above 0 (unseen) and at most 1 (solid), found 2',
+    ]),
+    (LOOKS, 'capsule = {', 'capsul = {', [
+        '[body.mast] shape[1]: a shape needs one of "sphere", "box", "cylinder", "tube", "capsule", "cone", '
+        '"mesh" or "line"; found "capsul", "position" and "opacity". Did you mean "capsule"?',
+    ]),
+    (LOOKS, '["mast", "mast.top"], radius', '["mast", "ground.wall"], radius', [
+        '[body.mast] shape[5].line[2]: "ground.wall" is not on "mast"; a line joins ends of what it is drawn on',
+    ]),
+    (LOOKS, '["mast", "mast.top"], radius', '["mast"], radius', [
+        '[body.mast] shape[5].line: needs a list of two or more ends, as ["arm", "arm.tip"], found ["mast"]',
+    ]),
+    (LOOKS, '"hull.obj"', '"hull.step"', [
+        '[body.mast] shape[4].mesh.file: needs a mesh (.stl, .obj, .ply, .off, .glb, .gltf, .dae, .3mf), '
+        'found "hull.step"',
+    ]),
+    (LOOKS, 'scale = [1, 1, -1]', 'scale = [1, 0, -1]', [
+        '[body.mast] shape[4].mesh.scale: factors must not be 0, found [1, 0, -1]',
+    ]),
     (ARM, 'mass    = 2.0', 'mas = 2.0', [
         '[body.upper] mas: unknown key; there is "mass", "com", "inertia", "inertia_axes", '
-        '"solid", "output", "input", "input_axes" and "marker". Did you mean "mass"?',
+        '"solid", "output", "input", "input_axes", "colour", "shape" and "marker". Did you mean "mass"?',
     ]),
     (ARM, 'mass    = 2.0', 'mass = -2.0', [
         '[body.upper] mass: must not be negative, found -2.0',
@@ -91,7 +131,7 @@ MESSAGES = [
     ]),
     (ARM, 'zyx_deg = [90, 0, 0]', 'zyx = [90, 0, 0]', [
         '[ground] marker.site.zyx: unknown key; there is "euler_parameters", "zyx_deg", '
-        '"zyx_rad", "axis_angle", "axes", "position", "curve" and "surface". Did you mean '
+        '"zyx_rad", "axis_angle", "axes", "position", "colour", "shape", "curve" and "surface". Did you mean '
         '"zyx_deg" or '
         '"zyx_rad"?',
     ]),

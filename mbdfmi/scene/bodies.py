@@ -10,6 +10,7 @@ from ..vocabulary import GROUND_OUTPUTS, MARKER_INPUTS, MARKER_OUTPUTS
 from .curves import Curve
 from .errors import listed
 from .fields import Array, NotNegative, OneOf, Part, SomeOf, Vector
+from .looks import Shown
 from .motion import Motion
 from .names import Name
 from .orientation import Oriented, Placed
@@ -85,8 +86,8 @@ class Observed(Part):
         return self
 
 
-class Shaped(Placed):
-    """A frame that may carry a curve and a surface.
+class Shaped(Shown, Placed):
+    """A frame that may carry a curve, a surface and a look.
 
     curve, surface : in the frame's axes, or None.
     """
@@ -152,13 +153,13 @@ class Massive(Part):
         return self.mass, np.array(self.com), dot(A, inertia_matrix(self.inertia), A.T)
 
 
-class Body(Observed, Massive):
+class Body(Shown, Observed, Massive):
     """A rigid body with its own frame, its markers by name, and what goes in and out."""
 
     marker: dict[Name, Marker] = {}
 
 
-class Ground(Part):
+class Ground(Shown):
     """The frame of the assembly, with markers on it by name.
 
     motion : of it in the inertial frame, or None: it is the inertial frame.

@@ -49,7 +49,7 @@ def cross_references(data):
     markers["ground"] = _plain_entries(ground, "marker")
     markers["inertial"] = {}
     wrong = _misplaced(data, markers, joints)
-    problems += wrong
+    problems += wrong + _unseen(data, bodies, ground, markers, joints)
     shapes = {
         (_plain(owner), _plain(name)): marker
         for owner, holder in (*bodies.items(), ("ground", ground))
@@ -281,6 +281,49 @@ def _wrong_end(end, markers, joints):
     # a marker without its body is a likely slip
     same = [name for name in known if name.partition(".")[2] == body]
     return text + did_you_mean(same[0] if same else written, known)
+
+
+def _unseen(data, bodies, ground, markers, joints):
+    """Problems of looks: ends that lines, paths and the picture's frame name and that are not there."""
+    view, problems = _get(data, "view"), []
+    frame, paths = _get(view, "frame"), _get(view, "paths")
+    if isinstance(frame, str) and _plain(frame) not in markers:
+        text = f"no body {quoted(frame)}; there is {listed(markers)}."
+        problems.append(Problem(("view", "frame"), text + did_you_mean(frame, markers)))
+
+    paths = [paths] if isinstance(paths, str) else paths if isinstance(paths, (list, tuple)) else []
+    for k, end in enumerate(paths):
+        if isinstance(end, str) and (text := _wrong_end(_split(end), markers, joints)):
+            problems.append(Problem(("view", "paths", k), text))
+
+    for path, owner, shape in _lines(bodies, ground):
+        for k, end in enumerate(shape):
+            names = _split(end) if isinstance(end, str) else [owner]
+            if names[0] != owner:
+                text = f"{quoted(end)} is not on {quoted(owner)}; a line joins ends of what it is drawn on"
+            else:
+                text = _wrong_end(names, markers, joints)
+            if text:
+                problems.append(Problem((*path, "line", k), text))
+    return problems
+
+
+def _lines(bodies, ground):
+    """(path, owner, ends) of all shapes that are lines."""
+    holders = [(("body", name), _plain(name), body) for name, body in bodies.items()]
+    for path, owner, holder in [*holders, (("ground",), "ground", ground)]:
+        frames = [((*path, "marker", name), marker) for name, marker in _entries(holder, "marker").items()]
+        for place, drawn in [(path, holder), *frames]:
+            shapes = _get(drawn, "shape")
+            shapes = shapes if isinstance(shapes, (list, tuple)) else [shapes]
+            for k, shape in enumerate(shapes):
+                ends = _get(shape, "line")
+                if isinstance(ends, (list, tuple)):
+                    yield (*place, "shape", k), owner, ends
+
+
+def _split(end):
+    return [_plain(name) for name in end.split(".", 1)]
 
 
 def _missing_shapes(joint, ends, markers):

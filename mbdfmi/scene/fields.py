@@ -52,7 +52,8 @@ def _positive(value):
     return number(value)
 
 
-def _not_zero(value):
+def not_zero(value):
+    """Such a number, not 0, or ValueError."""
     if abs(number(value)) < SMALLEST:
         raise ValueError(f"must not be 0, nor below 1e-30; found {show(value)}")
     return number(value)
@@ -73,7 +74,7 @@ def _tolerance(value):
 Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, BeforeValidator(_positive)]
 NotNegative = Annotated[float, BeforeValidator(_not_negative)]
-NotZero = Annotated[float, BeforeValidator(_not_zero)]
+NotZero = Annotated[float, BeforeValidator(not_zero)]
 Tolerance = Annotated[float, BeforeValidator(_tolerance)]
 
 

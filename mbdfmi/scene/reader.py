@@ -39,7 +39,9 @@ def parse_scene(data, file=None, kind=SceneData):
         raise SceneError([Problem((), f"is {other}, not a scene file (TOML)")], file=file)
 
     try:
-        return kind.model_validate(tomllib.loads(data.decode("utf-8-sig")))
+        # names of files in it start at its own folder
+        folder = os.path.dirname(file) if file else "."
+        return kind.model_validate(tomllib.loads(data.decode("utf-8-sig")), context={"folder": folder})
     except SceneError as error:
         problems = error.problems
     except UnicodeDecodeError as error:

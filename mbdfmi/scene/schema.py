@@ -12,6 +12,7 @@ from .errors import SceneError
 from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given
 from .forces import Force
 from .joints import Joint
+from .looks import View
 from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
@@ -111,7 +112,7 @@ class SceneData(Part):
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
         about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in
         velocity; the multipliers.
-    solver, ground : as above.
+    solver, ground, view : as above.
     body, joint, coupling, force, measure : by name, in the order written.
 
     Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
@@ -126,6 +127,7 @@ class SceneData(Part):
     output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
     ground: Ground = Ground()
+    view: View = View()
     body: dict[Name, Body] = {}
     joint: dict[Name, Joint] = {}
     coupling: dict[Name, Coupling] = {}

@@ -1,20 +1,21 @@
 """Simple solids of uniform density: mass, centre of mass, inertia."""
 
-from math import inf, pi, prod
-from typing import Annotated, ClassVar
+from math import pi, prod
+from typing import ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from ..vectors import dot
-from .errors import show
-from .fields import SMALLEST, Array, Axis, NotNegative, Part, Positive, by_key, unit_vector
+from .fields import Axis, Part, Positive, by_key, unit_vector
+from .geometry import BoxGeometry, CylinderGeometry, MeshGeometry, SphereGeometry, TubeGeometry
+from .meshes import enclosed
 from .orientation import Placed
 
 # shapes, each in its own axes about its centre
 
 
-class Shape(Part):
+class Massive(Part):
     """A shape with its density or its mass.
 
     density : kg/m3.
@@ -31,10 +32,8 @@ class Shape(Part):
         return self.density * self.volume() if self.mass is None else self.mass
 
 
-class Sphere(Shape):
-    """A full sphere. radius : m."""
-
-    radius: Positive = Field(description="radius in m")
+class Sphere(SphereGeometry, Massive):
+    """A full sphere."""
 
     def volume(self):
         """m3."""
@@ -45,18 +44,8 @@ class Sphere(Shape):
         return np.full(3, 2 / 5 * self.radius**2)
 
 
-def _lengths(size):
-    if min(size) < SMALLEST:
-        raise ValueError(f"lengths must be greater than 0, at least 1e-30; found {show(size)}")
-    return size
-
-
-class Box(Shape):
-    """A cuboid. size : lengths of the edges along x, y, z, m."""
-
-    size: Annotated[Array((3,), what="3 lengths [x, y, z]"), AfterValidator(_lengths)] = Field(
-        description="lengths of the edges [x, y, z] in m"
-    )
+class Box(BoxGeometry, Massive):
+    """A cuboid."""
 
     def volume(self):
         """m3."""
@@ -68,11 +57,8 @@ class Box(Shape):
         return (squares.sum() - squares) / 12
 
 
-class Cylinder(Shape):
-    """A full cylinder along z. radius, length : m."""
-
-    radius: Positive = Field(description="radius in m")
-    length: Positive = Field(description="length along the axis in m")
+class Cylinder(CylinderGeometry, Massive):
+    """A full cylinder along z."""
 
     def volume(self):
         """m3."""
@@ -83,21 +69,8 @@ class Cylinder(Shape):
         return _round_moments(self.radius**2, self.length)
 
 
-class Tube(Shape):
-    """A hollow cylinder along z, open at its ends. radius, inner_radius, length : m."""
-
-    radius: Positive = Field(description="outer radius in m")
-    inner_radius: NotNegative = Field(description="inner radius in m")
-    length: Positive = Field(description="length along the axis in m")
-
-    @field_validator("inner_radius")
-    @classmethod
-    def _check_wall(cls, inner, info):
-        if inner >= info.data.get("radius", inf):
-            raise ValueError(
-                f"must be smaller than the radius {show(info.data['radius'])}, found {show(inner)}"
-            )
-        return inner
+class Tube(TubeGeometry, Massive):
+    """A hollow cylinder along z, open at its ends."""
 
     def volume(self):
         """m3."""
@@ -111,6 +84,26 @@ class Tube(Shape):
 def _round_moments(radii_squared, length):
     across = radii_squared / 4 + length**2 / 12
     return np.array([across, across, radii_squared / 2])
+
+
+class Mesh(MeshGeometry, Massive):
+    """What a closed surface of triangles encloses. A surface that is not closed is refused, its largest hole named."""
+
+    _enclosed: tuple = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _read(self):
+        self._enclosed = enclosed(self.file, self.scale)
+        return self
+
+    def volume(self):
+        """m3."""
+        return self._enclosed[0]
+
+    def mass_properties(self):
+        """(mass kg, centre of mass (3,) m, inertia (3, 3) kg m2 about it), in the file's axes."""
+        volume, centre, inertia = self._enclosed
+        return self.total_mass(), centre, self.total_mass() / volume * inertia
 
 
 class Point(Part):
@@ -193,7 +186,20 @@ class PointSolid(SolidBase):
     point: Point
 
 
-Solid = by_key("a solid", SphereSolid, BoxSolid, CylinderSolid, TubeSolid, PointSolid)
+class MeshSolid(SolidBase):
+    """mesh = { file, scale, density | mass }; position is that of the file's origin."""
+
+    kind: ClassVar[str] = "mesh"
+    mesh: Mesh
+
+    def mass_properties(self):
+        """As of any solid."""
+        mass, centre, inertia = self.mesh.mass_properties()
+        position, A = self.pose()
+        return mass, position + dot(A, centre), dot(A, inertia, A.T)
+
+
+Solid = by_key("a solid", SphereSolid, BoxSolid, CylinderSolid, TubeSolid, PointSolid, MeshSolid)
 
 
 def composite(parts):

@@ -13,7 +13,7 @@ import numpy as np
 
 from mbdfmi import Scene, SceneError
 
-from .making import forces, frames, kinds, later, motions, names, telling
+from .making import forces, frames, kinds, later, looks, motions, names, telling
 from .making.bodies import SORTS
 from .making.dice import Dice
 from .making.mechanism import Mechanism
@@ -205,6 +205,7 @@ def _scene(dice, taste, seed):
         for key, table in (("coupling", couplings), ("force", loads), ("measure", measures))
         if table
     }
+    looks.add(seed, data)
     data = _plain(data)
     return data if _fits(data, mechanism, dice) else None
 

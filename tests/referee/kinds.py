@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .making.looks import WEDGE
+
 BODY = {"mass": 1.3, "com": [0.1, -0.2, 0.3], "inertia": [0.4, 0.5, 0.6, 0.02, -0.03, 0.01]}
 TILTED = {"zyx_deg": [20, -35, 50], "position": [0.2, -0.1, 0.3]}
 WAVE = [0.0, 0.3, 0.5, 0.9, 1.4, 2.0]
@@ -222,6 +224,7 @@ def bodies():
             "position": [0, 0.3, 0],
         },
         {"point": {"mass": 0.7}, "position": [0.5, -0.3, 0.1]},
+        {"mesh": {"file": WEDGE, "scale": 0.001, "density": 900}, "zyx_deg": [10, 20, 30]},
     ]
     frames = {
         "e": {"euler_parameters": [0.1, 0.2, 0.3, 0.9273618495495704]}, "z": {"zyx_rad": [0.3, -0.4, 0.5]},

@@ -1,10 +1,13 @@
 """Mass, centre of mass and inertia of bodies: given, or of solids of uniform density."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 
 from .reading import axis, orientation, pose
 
-KINDS = ("sphere", "box", "cylinder", "tube", "point")
+KINDS = ("sphere", "box", "cylinder", "tube", "point", "mesh")
 
 
 def volume(kind, shape):
@@ -40,6 +43,10 @@ def of_solid(solid):
     """(mass kg, centre (3,) m, inertia (3, 3) kg m2 about it) of a solid, in the body's axes."""
     kind = next(kind for kind in KINDS if kind in solid)
     shape = solid[kind]
+
+    if kind == "mesh":
+        return of_mesh(solid, shape)
+
     mass = shape["mass"] if shape.get("mass") is not None else shape["density"] * volume(kind, shape)
     centre, A = pose(solid)
     inertia = own_inertia(kind, shape)
@@ -49,6 +56,23 @@ def of_solid(solid):
         inertia = inertia[0, 0] * np.eye(3) + (inertia[2, 2] - inertia[0, 0]) * np.outer(along, along)
 
     return mass, centre, mass * A @ inertia @ A.T
+
+
+def of_mesh(solid, shape):
+    """The same of what a closed surface of triangles (an STL file of text) encloses: tetrahedra on the origin."""
+    numbers = re.findall(r"vertex\s+(\S+)\s+(\S+)\s+(\S+)", Path(shape["file"]).read_text())
+    corners = np.array(numbers, float).reshape(-1, 3, 3) * shape.get("scale", 1.0)
+    volumes = np.linalg.det(corners) / 6
+    sums = corners.sum(axis=1)
+    volume = volumes.sum()
+    centre = (volumes[:, None] * sums).sum(axis=0) / (4 * volume)
+    # integral of r r^T over a tetrahedron with a corner at the origin
+    squares = np.einsum("fki,fkj->fij", corners, corners) + np.einsum("fi,fj->fij", sums, sums)
+    second = (volumes[:, None, None] * squares).sum(axis=0) / 20 - volume * np.outer(centre, centre)
+    density = shape["mass"] / volume if shape.get("mass") is not None else shape["density"]
+    origin, A = pose(solid)
+    inertia = density * (np.trace(second) * np.eye(3) - second)
+    return density * volume, origin + A @ centre, A @ inertia @ A.T
 
 
 def tensor(values):

@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..independent.mass import mass_properties
-from . import inside, kinds
+from . import inside, kinds, looks
 from .dice import Dice
 
 
 def add(seed, mechanism, forces, gravity):
-    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity."""
+    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, meshes to solids."""
     dice = Dice(seed, 1)
 
     for joint in mechanism.joints:
@@ -20,6 +20,8 @@ def add(seed, mechanism, forces, gravity):
 
     if "central_gravity" in gravity and dice.chance(0.9):
         gravity["central_gravity"]["gradient"] = dice.chance(0.6)
+
+    looks.add_solid(Dice(seed, 3), mechanism)
 
 
 def _turn(dice, mechanism, joint):

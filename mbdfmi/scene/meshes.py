@@ -1,0 +1,126 @@
+"""Files of triangles: where they are, and the mass properties of what they enclose."""
+
+import os
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from .errors import show
+
+ENDINGS = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".dae", ".3mf")
+
+
+class MeshFile(str):
+    """The name of a mesh file as a scene gives it, from the folder of the scene file.
+
+    path : absolute.
+    """
+
+    path: Path
+
+    def __new__(cls, name, folder):
+        made = super().__new__(cls, name)
+        made.path = Path(os.path.abspath(Path(folder) / name))
+        return made
+
+    def __getnewargs__(self):
+        return str(self), self.path.parent
+
+
+def mesh_file(value, info):
+    """The type's validator: relative names start at the folder that the validation's context names, else here."""
+    if isinstance(value, MeshFile):
+        return value
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f"needs the name of a mesh file in quotes, found {show(value)}")
+    if Path(value).suffix.lower() not in ENDINGS:
+        raise ValueError(f"needs a mesh ({', '.join(ENDINGS)}), found {show(value)}")
+    return MeshFile(value, (info.context or {}).get("folder", "."))
+
+
+def load_mesh(file, scale=1.0):
+    """The `trimesh.Trimesh` of a mesh file, all its parts in one, scaled. scale : number or (3,).
+
+    Raises ValueError that names the file.
+    """
+    stamp = _stamp(file)
+    mesh = _read(str(file.path), stamp).copy()
+    mesh.apply_transform(np.diag([*np.broadcast_to(scale, 3), 1.0]))
+    return mesh
+
+
+def _stamp(file):
+    """What changes when the file does. Raises ValueError when it is not there."""
+    try:
+        found = os.stat(file.path)
+    except OSError as error:
+        raise ValueError(f"{file.path}: {error.strerror}") from None
+    return found.st_mtime_ns, found.st_size
+
+
+@lru_cache(maxsize=256)
+def _read(path, stamp):
+    """The mesh in a file; `stamp` : a changed file is read anew."""
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(path) if Path(path).suffix.lower() in (".stl", ".ply", ".off") else None
+        mesh = trimesh.load_scene(path).to_mesh() if mesh is None else mesh
+    except ImportError as error:
+        raise ValueError(f"{path}: cannot be read: {error}") from None
+    except Exception as error:
+        # readers of files from outside fail in as many ways as there are broken files
+        raise ValueError(f"{path}: is no mesh that can be read ({type(error).__name__}: {error})") from None
+
+    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+        raise ValueError(f"{path}: holds no triangles")
+    if not np.isfinite(mesh.vertices).all():
+        raise ValueError(f"{path}: has vertices that are no finite numbers")
+    return mesh
+
+
+def enclosed(file, scale):
+    """(volume m3, centre (3,) m, inertia (3, 3) per density about it, m5) of what a closed mesh encloses.
+
+    Raises ValueError that names the holes of one that is not closed.
+    """
+    mesh = load_mesh(file, scale)
+
+    # files of separate triangles say by places alone which corners are one
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+
+    if not mesh.is_watertight:
+        raise ValueError(
+            f"{file.path}: {_holes(mesh)}; a solid needs a closed surface (as a look it will do)"
+        )
+    if not mesh.is_winding_consistent:
+        mesh.fix_normals(multibody=True)
+    if mesh.volume < 0:
+        mesh.invert()
+    if not mesh.volume > 0:
+        raise ValueError(f"{file.path}: encloses no volume")
+
+    volume, centre = float(mesh.volume), np.array(mesh.center_mass)
+    mesh.density = 1.0
+    inertia = np.array(mesh.moment_inertia)
+    return volume, centre, (inertia + inertia.T) / 2
+
+
+def _holes(mesh):
+    """Where the surface of a mesh is open, in words."""
+    import trimesh
+
+    once = trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)
+
+    if not len(once):
+        return "has edges at which more than two triangles meet"
+
+    edges = mesh.edges_sorted[once]
+    holes = trimesh.graph.connected_components(edges)
+    largest = max(holes, key=lambda hole: np.ptp(mesh.vertices[hole], axis=0).max())
+    corners = mesh.vertices[largest]
+    across = np.linalg.norm(np.ptp(corners, axis=0))
+    middle = ", ".join(f"{x:.4g}" for x in corners.mean(axis=0))
+    count = "a hole" if len(holes) == 1 else f"{len(holes)} holes, the largest"
+    return f"has {count} of {len(largest)} corners around [{middle}] m, {across:.3g} m across"
