@@ -245,6 +245,7 @@ void instance_free(Instance *c)
 {
     resource_free(&c->resource);
     free(c->core);
+    free(c->before);
     free(c->work);
     free(c->y);
     free(c->log.name);
@@ -349,6 +350,24 @@ Status instance_step(Instance *c, double t, double H)
 
     Status result = prepare(c);
     return result == STATUS_OK ? advance(c, t, H) : result;
+}
+
+void instance_restore(Instance *c, const void *block)
+{
+    memcpy(c->core, block, c->core_size);
+    c->work[c->ints[AT_lu_known]] = 0;
+    c->current = false;
+}
+
+Status instance_try_step(Instance *c, double t, double H)
+{
+    if (!c->before) c->before = malloc(c->core_size);
+    if (!c->before) return instance_refuse(c, "out of memory");
+    memcpy(c->before, c->core, c->core_size);
+
+    Status result = instance_step(c, t, H);
+    if (result == STATUS_DISCARD) instance_restore(c, c->before);
+    return result;
 }
 
 Status instance_terminate(Instance *c)

@@ -42,6 +42,8 @@ typedef struct {
 
     double *work, *y;
     bool current; /* y follows from the present reals, state and u */
+
+    Core *before; /* room for a copy of the block, once instance_try_step is called */
 } Instance;
 
 /* NULL, with the reason in the log, when the resource or the GUID is not good. `log` is copied, its
@@ -68,6 +70,12 @@ Status instance_start(Instance *c);
 
 /* Advances from the communication point t by H (s). */
 Status instance_step(Instance *c, double t, double H);
+
+/* The same, but a step that is discarded leaves the instance as it was before. */
+Status instance_try_step(Instance *c, double t, double H);
+
+/* Makes `block`, core_size bytes, that of the instance. */
+void instance_restore(Instance *c, const void *block);
 
 Status instance_terminate(Instance *c);
 

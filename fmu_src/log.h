@@ -1,5 +1,5 @@
-/* What a call comes to, and the log. Nothing here, nor in what stands on it, knows FMI: fmi2.c turns
-   both into what a master of its version expects. */
+/* What a call comes to, and the log. Nothing here, nor in what stands on it, knows FMI: fmi2.c and fmi3.c
+   turn both into what a master of their version expects. */
 #ifndef MBDFMI_LOG_H
 #define MBDFMI_LOG_H
 

@@ -72,6 +72,14 @@ static bool starts_with(const char *text, const char *start)
     return true;
 }
 
+static bool is_separator(char c)
+{
+#ifdef _WIN32
+    if (c == '\\') return true;
+#endif
+    return c == '/';
+}
+
 /* The path of the resource file, to be freed; NULL and `why` on failure. */
 static char *file_path(const char *location, char *why, size_t why_size)
 {
@@ -130,7 +138,7 @@ static char *file_path(const char *location, char *why, size_t why_size)
 #endif
 
     size_t n = strlen(path);
-    if (n > 0 && path[n - 1] != '/') path[n++] = '/';
+    if (n > 0 && !is_separator(path[n - 1])) path[n++] = '/';
     memcpy(path + n, RESOURCE_NAME, sizeof RESOURCE_NAME);
     return path;
 }
@@ -236,6 +244,8 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
                         r->names[i]);
         if (v->index < 0 || v->index >= room[v->kind])
             return fail(why, why_size, "its variable '%s' lies outside its buffer", r->names[i]);
+        if (v->length < 0 || v->length > r->n.variables - i)
+            return fail(why, why_size, "its array '%s' lies outside the variables", r->names[i]);
     }
     return true;
 }

@@ -90,9 +90,7 @@ Status snapshot_set(Instance *c, const void *state)
     Status result = check(c, state);
 
     if (result != STATUS_OK) return result;
-    memcpy(c->core, (const char *)state + HEAD_SIZE, c->core_size);
-    c->work[c->ints[AT_lu_known]] = 0;
-    c->current = false;
+    instance_restore(c, (const char *)state + HEAD_SIZE);
     return STATUS_OK;
 }
 

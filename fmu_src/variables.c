@@ -30,18 +30,32 @@ static Status check_references(Instance *c, const uint32_t vr[], size_t n, const
     return STATUS_OK;
 }
 
+/* The value of a variable, brought up to date. */
+static Status get(Instance *c, uint32_t vr, double *value)
+{
+    const char *name = c->resource.names[vr];
+
+    if (kind_of(c, vr) == VARIABLE_OUTPUT) {
+        if (c->core->mode == INSTANTIATED)
+            return instance_refuse(
+                c,
+                "'%s' (value reference %u) is an output and has no value before the "
+                "initialization",
+                name, vr);
+        Status result = instance_outputs(c);
+        if (result != STATUS_OK) return result;
+    }
+
+    *value = *place_of(c, vr);
+    if (isfinite(*value)) return STATUS_OK;
+    return instance_refuse(c, "'%s' (value reference %u) is %g", name, vr, *value);
+}
+
 Status variables_get(Instance *c, const uint32_t vr[], size_t n, double value[])
 {
-    const char **names = c->resource.names;
     Status result = check_references(c, vr, n, value);
 
-    for (size_t i = 0; i < n && result == STATUS_OK; i++) {
-        if (kind_of(c, vr[i]) == VARIABLE_OUTPUT) result = instance_outputs(c);
-        if (result == STATUS_OK) value[i] = *place_of(c, vr[i]);
-        if (result == STATUS_OK && !isfinite(value[i]))
-            return instance_refuse(c, "'%s' (value reference %u) is %g", names[vr[i]], vr[i],
-                                   value[i]);
-    }
+    for (size_t i = 0; i < n && result == STATUS_OK; i++) result = get(c, vr[i], &value[i]);
     return result;
 }
 
@@ -63,26 +77,96 @@ static Status check_set(Instance *c, uint32_t vr, double value)
     return STATUS_OK;
 }
 
+static void set(Instance *c, uint32_t vr, double value)
+{
+    double *place = place_of(c, vr);
+
+    /* a value that stands already changes nothing, not even what the solver remembers */
+    if (memcmp(place, &value, sizeof *place) == 0) return;
+
+    *place = value;
+    c->current = false;
+    if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
+    if (kind_of(c, vr) != VARIABLE_INPUT) c->core->prepared = 0;
+}
+
 Status variables_set(Instance *c, const uint32_t vr[], size_t n, const double value[])
 {
     Status result = check_references(c, vr, n, value);
 
     for (size_t i = 0; i < n && result == STATUS_OK; i++) result = check_set(c, vr[i], value[i]);
-    if (result != STATUS_OK) return result;
+    for (size_t i = 0; i < n && result == STATUS_OK; i++) set(c, vr[i], value[i]);
+    return result;
+}
 
+/* ---- arrays ---- */
+
+static bool is_time(const Instance *c, uint32_t vr)
+{
+    return vr == c->resource.n.variables;
+}
+
+/* How many values a reference means. */
+static size_t length_of(const Instance *c, uint32_t vr)
+{
+    return is_time(c, vr) ? 1 : (size_t)c->resource.variables[vr].length;
+}
+
+/* Refuses references to nothing or to an element, and a wrong number of values. */
+static Status check_arrays(Instance *c, const uint32_t vr[], size_t n, const double value[],
+                           size_t room)
+{
+    size_t needed = 0;
+
+    if ((n > 0 && !vr) || (room > 0 && !value))
+        return instance_refuse(c, "NULL instead of an array");
     for (size_t i = 0; i < n; i++) {
-        double *place = place_of(c, vr[i]);
-
-        /* a value that stands already changes nothing, not even what the solver remembers */
-        if (memcmp(place, &value[i], sizeof *place) == 0) continue;
-
-        *place = value[i];
-        c->current = false;
-        if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
-        if (kind_of(c, vr[i]) != VARIABLE_INPUT) c->core->prepared = 0;
+        if (vr[i] > c->resource.n.variables)
+            return instance_refuse(c, "unknown value reference %u", vr[i]);
+        if (length_of(c, vr[i]) == 0)
+            return instance_refuse(c,
+                                   "value reference %u is the element '%s' of an array: only the "
+                                   "whole has a reference",
+                                   vr[i], c->resource.names[vr[i]]);
+        needed += length_of(c, vr[i]);
     }
+    if (needed != room) return instance_refuse(c, "%zu values for variables of %zu", room, needed);
     return STATUS_OK;
 }
+
+Status variables_get_arrays(Instance *c, const uint32_t vr[], size_t n, double value[], size_t room)
+{
+    Status result = check_arrays(c, vr, n, value, room);
+
+    for (size_t i = 0; i < n && result == STATUS_OK; i++) {
+        if (is_time(c, vr[i]))
+            *value++ = c->core->time;
+        else
+            for (size_t k = 0; k < length_of(c, vr[i]) && result == STATUS_OK; k++)
+                result = get(c, vr[i] + (uint32_t)k, value++);
+    }
+    return result;
+}
+
+Status variables_set_arrays(Instance *c, const uint32_t vr[], size_t n, const double value[],
+                            size_t room)
+{
+    Status result = check_arrays(c, vr, n, value, room);
+    const double *from = value;
+
+    for (size_t i = 0; i < n && result == STATUS_OK; i++) {
+        if (is_time(c, vr[i])) return instance_refuse(c, "time cannot be set");
+        for (size_t k = 0; k < length_of(c, vr[i]) && result == STATUS_OK; k++)
+            result = check_set(c, vr[i] + (uint32_t)k, *from++);
+    }
+    if (result != STATUS_OK) return result;
+
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < length_of(c, vr[i]); k++) set(c, vr[i] + (uint32_t)k, *value++);
+    return STATUS_OK;
+}
+
+/* ---- derivatives ---- */
 
 /* Refuses what is no derivative of an input. */
 static Status check_derivative(Instance *c, uint32_t vr, int32_t order, double value)

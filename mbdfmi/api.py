@@ -94,6 +94,7 @@ class Scene(_scene.SceneData):
 
         path : by default `<scene's name>.fmu` in the working folder.
         platforms : e.g. ["x86_64-linux", "x86_64-windows"]; by default this machine's.
+        fmi : among the options, 2 or 3; by default FMI 2.0.
         """
         from .export import export_fmu
 

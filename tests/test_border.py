@@ -12,8 +12,9 @@ import pytest
 from fmu_host import ERROR, OK, Instance, Library
 
 from mbdfmi.compiler import model as compiler
+from mbdfmi.compiler.variables import TABLE
 from mbdfmi.export import aot, description, export_fmu, header, link
-from mbdfmi.export.resource import resource
+from mbdfmi.export.resource import VERSION, resource
 from mbdfmi.kernels import layout, status
 from mbdfmi.scene import read_scene
 
@@ -104,14 +105,14 @@ def test_no_place_is_written_by_hand():
         assert not re.findall(r"\b(?:ints|reals|state|work)\[\d+\]", path.read_text()), path.name
 
 
-def test_one_file_alone_speaks_fmi():
+def test_a_file_for_each_version_alone_speaks_fmi():
     """A version of FMI is a file over what all share."""
     speaking = [
         path.name
         for path in C_SOURCES
         if re.search(r"\bfmi\d\w", re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL))
     ]
-    assert speaking == ["fmi2.c"]
+    assert speaking == ["fmi2.c", "fmi3.c"]
 
 
 # arrays of a resource file
@@ -172,11 +173,11 @@ def test_value_references_come_in_any_order(library, tmp_path):
 def resealed(body):
     """A resource file of this body, with the GUID and the checksum that go with it."""
     ints, reals, _, _, u, _, variables = struct.unpack_from("<7q", body)
-    start, end = 144, 144 + 8 * (ints + reals + u + 2 * variables) + 32
+    start, end = 144, 144 + 8 * (ints + reals + u + 3 * variables) + 32
     h = hashlib.sha256(body[:56] + body[start:end]).hexdigest()
     guid = f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
     body = body[:80] + guid.encode().ljust(64, b"\0") + body[start:]
-    return b"mbdfmi\0\1" + struct.pack("<IIQ", 4, zlib.crc32(body), len(body)) + body, guid
+    return b"mbdfmi\0\1" + struct.pack("<IIQ", VERSION, zlib.crc32(body), len(body)) + body, guid
 
 
 def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
@@ -189,11 +190,11 @@ def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
 
     for _ in range(500):
         damaged = bytearray(body)
-        damaged[table + int(rng.integers(16 * len(model.variables)))] ^= 1 << int(rng.integers(8))
+        damaged[table + int(rng.integers(TABLE.itemsize * len(model.variables)))] ^= 1 << int(rng.integers(8))
         instance = placed(library, tmp_path / "flipped", *resealed(bytes(damaged)))
 
         if instance.component is None:
-            assert re.search("is refused: its variable '.+' (is of no kind|lies outside)", instance.message)
+            assert re.search("is refused: its (variable|array) '.+' (is of no kind|lies outside)", instance.message)
             refused += 1
             continue
 

@@ -8,6 +8,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 
 from mbdfmi import cli
@@ -186,6 +187,19 @@ def test_export(command, tmp_path, monkeypatch):
     # as a shell without patterns leaves it
     assert command("export", MODELS / "*.toml", "-o", "all")[0] == 0
     assert len(list(Path("all").iterdir())) == len(list(MODELS.glob("*.toml")))
+
+
+def test_export_as_fmi_3(command, refused, tmp_path):
+    assert command("export", PENDULUM, "--fmi", "3", "-o", tmp_path / "three.fmu")[0] == 0
+    status, printed, _ = command("export", PENDULUM, "--fmi", "2,3", "-o", tmp_path / "both")
+    assert status == 0 and "pendulum_fmi3.fmu" in printed
+    written = [tmp_path / "three.fmu", *sorted((tmp_path / "both").iterdir())]
+    versions = [fmpy.read_model_description(str(path)).fmiVersion for path in written]
+    assert [path.name for path in written[1:]] == ["pendulum_fmi2.fmu", "pendulum_fmi3.fmu"]
+    assert versions == ["3.0", "2.0", "3.0"]
+
+    assert "--fmi 4: unknown; there are 2, 3 and 2,3" in refused("export", PENDULUM, "--fmi", "4")
+    assert "one file cannot be FMI 2 and FMI 3" in refused("export", PENDULUM, "--fmi", "2,3", "-o", "a.fmu")
 
 
 def test_export_of_some_broken_scenes_makes_the_others(command, tmp_path):

@@ -17,6 +17,7 @@ from numba import types
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.compiler.variables import Variable, array_of, arrays, reference_table
 from mbdfmi.export import aot, description, export_fmu, package
 from mbdfmi.export.link import library
 from mbdfmi.run.simulate import simulate
@@ -67,6 +68,70 @@ def test_fmpy_runs_it_as_in_process(exported):
     for v in model.of_causality("output"):
         scale = np.abs(inside[v.name]).max() + 1
         np.testing.assert_allclose(there[v.name], inside[v.name], rtol=1e-12, atol=1e-12 * scale)
+
+
+def by_elements(results):
+    """Columns of scalars from those of arrays: their names have indices from 1."""
+    columns = {}
+
+    for name in results.dtype.names:
+        for k in np.ndindex(results[name].shape[1:]):
+            index = f"[{','.join(str(i + 1) for i in k)}]" if k else ""
+            columns[name + index] = results[name][(slice(None), *k)]
+
+    return columns
+
+
+def test_fmi_3_is_the_same_fmu(exported, tmp_path):
+    """Validator silent, every variable there, dependencies those of its elements, results equal to the bit."""
+    model, two = exported
+    three = export_fmu(model, tmp_path / "three.fmu", fmi=3)
+    assert validate_fmu(str(three)) == []
+
+    run = {"stop_time": 0.5, "output_interval": 0.01}
+    there, here = fmpy.simulate_fmu(str(three), **run), fmpy.simulate_fmu(str(two), **run)
+    columns = by_elements(there)
+    assert set(here.dtype.names) == set(columns)
+    assert all(np.array_equal(here[name], columns[name]) for name in columns)
+
+    description3 = fmpy.read_model_description(str(three))
+    whole = {array_of(v.name) for v in model.variables}
+    assert {array_of(v.name) for v in description3.modelVariables} == whole | {"time"}
+
+    parameters = {array_of(v.name) for v in model.of_causality("parameter")}
+
+    for unknowns, more in ((description3.outputs, set()), (description3.initialUnknowns, parameters)):
+        for unknown in unknowns:
+            elements = [v for v in model.variables if array_of(v.name) == unknown.variable.name]
+            expected = {array_of(model.variables[k].name) for v in elements for k in v.depends} | more
+
+            # absent means: on all that is known
+            if unknown.dependencies is None:
+                assert expected == parameters | {array_of(v.name) for v in model.of_causality("input")}
+            else:
+                assert {array_of(v.name) for v in unknown.dependencies} == expected
+
+
+def test_arrays_are_whole_or_none():
+    """Elements that do not follow each other by rows, or have another array's name, stay scalars."""
+    def made(*names):
+        return [Variable(name, "input", "continuous", 0.0, "N", "", k) for k, name in enumerate(names)]
+
+    def found(*names):
+        return [(array.name, array.first, array.shape) for array in arrays(made(*names))]
+
+    assert found("a", "b[1]", "b[2]", "c") == [("a", 0, ()), ("b", 1, (2,)), ("c", 3, ())]
+    assert found("m[1,1]", "m[1,2]", "m[2,1]", "m[2,2]") == [("m", 0, (2, 2))]
+    assert found("b[2]", "b[1]") == [("b[2]", 0, ()), ("b[1]", 1, ())]
+    assert found("b[2]", "b[3]") == [("b[2]", 0, ()), ("b[3]", 1, ())]
+    assert found("b[1]", "a", "b") == [("b[1]", 0, ()), ("a", 1, ()), ("b", 2, ())]
+    assert list(reference_table(made("a", "b[1]", "b[2]"))["length"]) == [1, 2, 0]
+
+
+def test_unknown_version(pendulum, tmp_path):
+    with pytest.raises(ValueError, match="fmi = 1: the versions .* are 2 and 3"):
+        export_fmu(pendulum, tmp_path / "a.fmu", fmi=1)
+    assert not (tmp_path / "a.fmu").exists()
 
 
 def test_variables_and_structure(exported):
@@ -263,9 +328,10 @@ def linux_library():
 
 
 def fmi_functions():
-    """Names of all functions of FMI 2.0 for co-simulation, from the header."""
-    header = (Path(fmpy.__file__).parent / "c-code" / "fmi2Functions.h").read_text()
-    names = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", header))
+    """Names of all functions of FMI 2.0 for co-simulation and of FMI 3.0, from the headers."""
+    folder = Path(fmpy.__file__).parent / "c-code"
+    headers = [(folder / f"fmi{k}Functions.h").read_text() for k in (2, 3)]
+    names = {name for text in headers for name in re.findall(r"FMI[23]_Export \w+\s+(fmi[23]\w+);", text)}
     model_exchange = (
         "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime "
         "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates "

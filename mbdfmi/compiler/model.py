@@ -34,7 +34,7 @@ from .joints import add_joints
 from .light_parts import tell_light_parts
 from .reactions import add_reactions
 from .topology import Tree, absolute_tree, spanning_tree
-from .variables import TABLE, Variable
+from .variables import Variable, reference_table
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.ints.astype("<i8"),
         model.reals.astype("<f8"),
         u_start,
-        np.array([v.row for v in model.variables], TABLE),
+        reference_table(model.variables),
     )
     told = hashlib.sha256(repr((model.variables, model.places)).encode()).digest()
     return np.array(sizes, "<i8").tobytes(), b"".join(array.tobytes() for array in numbers) + told

@@ -1,5 +1,6 @@
 """The variables that an FMU, or a result table, shows: names, units, meanings, dependencies."""
 
+import itertools
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
@@ -12,8 +13,9 @@ from ..scene.errors import nearest
 KINDS = ("input", "output", "fixed", "tunable")
 """What a value reference is, as numbers in an FMU: its causality; of a parameter its variability."""
 
-TABLE = np.dtype([("kind", "<i8"), ("index", "<i8")])
-"""A row of the table of value references in an FMU."""
+TABLE = np.dtype([("kind", "<i8"), ("index", "<i8"), ("length", "<i8")])
+"""A row of the table of value references in an FMU: `length` is that of the array whose first element it is (1 for a
+scalar), 0 for its other elements."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,61 @@ class Variable:
     depends: tuple[int, ...] = ()
 
     @property
-    def row(self) -> tuple[int, int]:
-        """Its row of TABLE."""
-        return KINDS.index(self.variability if self.causality == "parameter" else self.causality), self.index
+    def kind(self) -> int:
+        """Its place in KINDS."""
+        return KINDS.index(self.variability if self.causality == "parameter" else self.causality)
+
+
+@dataclass(frozen=True)
+class ArrayVariable:
+    """Variables that make an array, by rows, or a scalar one.
+
+    name : without indices.
+    first : value reference of its first element.
+    shape : () for a scalar.
+    elements : its variables.
+    """
+
+    name: str
+    first: int
+    shape: tuple[int, ...]
+    elements: tuple[Variable, ...]
+
+
+def arrays(variables: list[Variable]) -> list[ArrayVariable]:
+    """The variables as arrays, in their order: elements that follow each other, by rows, and fill the array."""
+    names = {v.name for v in variables}
+    found = []
+
+    for name, group in itertools.groupby(variables, lambda v: array_of(v.name)):
+        elements = tuple(group)
+        shape = _shape(elements[-1].name)
+        alike = len({(v.causality, v.variability) for v in elements}) == 1
+        whole = [v.name for v in elements] == [name + k for k in subscripts(shape)]
+        first = found[-1].first + len(found[-1].elements) if found else 0
+
+        if alike and whole and name not in names - {elements[0].name}:
+            found.append(ArrayVariable(name, first, shape, elements))
+        else:
+            found += [ArrayVariable(v.name, first + k, (), (v,)) for k, v in enumerate(elements)]
+
+    return found
+
+
+def _shape(name: str) -> tuple[int, ...]:
+    """The shape of the array whose last element has this name."""
+    last = name.removeprefix(array_of(name))
+    return tuple(map(int, last[1:-1].split(","))) if last else ()
+
+
+def reference_table(variables: list[Variable]) -> np.ndarray:
+    """The table of value references, rows of TABLE."""
+    rows = np.array([(v.kind, v.index, 0) for v in variables], TABLE)
+
+    for array in arrays(variables):
+        rows["length"][array.first] = len(array.elements)
+
+    return rows
 
 
 def dotted(*names: str) -> str:

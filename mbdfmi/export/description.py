@@ -1,4 +1,4 @@
-"""modelDescription.xml: what a tool reads about an FMU."""
+"""modelDescription.xml of FMI 2.0: what a tool reads about an FMU; and what FMI 3.0 has in common with it."""
 
 import os
 from datetime import UTC, datetime
@@ -14,9 +14,9 @@ from ..units import UNITS
 LOG_CATEGORIES = {
     "logEvents": "Life of the instance: initialisation, reset, termination",
     "logStatusWarning": "What to know of the model and its start (always sent)",
-    "logStatusDiscard": "Messages of calls that return fmi2Discard",
-    "logStatusError": "Messages of calls that return fmi2Error (always sent)",
-    "logStatusFatal": "Messages of calls that return fmi2Fatal (always sent)",
+    "logStatusDiscard": "Messages of calls that return Discard",
+    "logStatusError": "Messages of calls that return Error (always sent)",
+    "logStatusFatal": "Messages of calls that return Fatal (always sent)",
     "logAll": "All messages",
 }
 
@@ -39,30 +39,40 @@ def description(model) -> bytes:
     root = etree.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
-        modelName=model.name,
         guid=model.guid,
-        description=model.description or model.title or model.name,
-        generationTool=f"mbdfmi {tool_version()}",
-        generationDateAndTime=generation_time().strftime("%Y-%m-%dT%H:%M:%SZ"),
-        variableNamingConvention="structured",
         numberOfEventIndicators="0",
+        **texts_of(model),
     )
 
     _co_simulation(root, model)
-    _units(root, model)
-    _log_categories(root)
-    etree.SubElement(
-        root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
-    )
+    add_units(root, {v.unit for v in model.variables})
+    add_log_categories(root)
+    add_experiment(root)
     _variables(root, model)
     _structure(root, model)
 
-    schema = _schema()
+    return checked(root, model, 2)
+
+
+def checked(root, model, fmi: int) -> bytes:
+    """The XML as UTF-8. Raises DescriptionError where it does not keep to the schema of this version of FMI."""
+    schema = _schema(fmi)
     if not schema.validate(root):
         faults = "\n".join(f"  line {error.line}: {error.message}" for error in schema.error_log)
         raise DescriptionError(f"modelDescription.xml of '{model.name}' is not valid:\n{faults}")
 
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def texts_of(model) -> dict[str, str]:
+    """Attributes of the root that both versions have."""
+    return {
+        "modelName": model.name,
+        "description": model.description or model.title or model.name,
+        "generationTool": f"mbdfmi {tool_version()}",
+        "generationDateAndTime": generation_time().strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "variableNamingConvention": "structured",
+    }
 
 
 def tool_version() -> str:
@@ -81,11 +91,11 @@ def generation_time() -> datetime:
 
 
 @cache
-def _schema() -> etree.XMLSchema:
-    """The FMI 2.0 schema, which fmpy carries."""
-    folder = Path(fmpy.__file__).parent / "schema" / "fmi2"
+def _schema(fmi: int) -> etree.XMLSchema:
+    """The schema of a version of FMI, which fmpy carries."""
+    folder = Path(fmpy.__file__).parent / "schema" / f"fmi{fmi}"
 
-    return etree.XMLSchema(file=str(folder / "fmi2ModelDescription.xsd"))
+    return etree.XMLSchema(file=str(folder / f"fmi{fmi}ModelDescription.xsd"))
 
 
 def _co_simulation(root, model) -> None:
@@ -106,14 +116,14 @@ def _co_simulation(root, model) -> None:
     )
 
 
-def _units(root, model) -> None:
+def add_units(root, used: set[str | None]) -> None:
     """Definitions of the units that occur."""
-    used = {v.unit for v in model.variables if v.unit}
-    if not used:
+    names = sorted(name for name in used if name)
+    if not names:
         return
 
     definitions = etree.SubElement(root, "UnitDefinitions")
-    for name in sorted(used):
+    for name in names:
         unit = UNITS[name]
         exponents = {"kg": unit.kg, "m": unit.m, "s": unit.s, "rad": unit.rad}
         element = etree.SubElement(definitions, "Unit", name=name)
@@ -123,14 +133,22 @@ def _units(root, model) -> None:
             etree.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
 
 
-def _log_categories(root) -> None:
+def add_log_categories(root) -> None:
+    """What the log may tell of."""
     categories = etree.SubElement(root, "LogCategories")
 
     for name, text in LOG_CATEGORIES.items():
         etree.SubElement(categories, "Category", name=name, description=text)
 
 
-_INITIAL = {"output": "calculated", "parameter": "exact"}  # an input has none
+def add_experiment(root) -> None:
+    """What a tool may propose for a run."""
+    etree.SubElement(
+        root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
+    )
+
+
+INITIAL = {"output": "calculated", "parameter": "exact"}  # an input has none
 
 
 def _variables(root, model) -> None:
@@ -147,8 +165,8 @@ def _variables(root, model) -> None:
             causality=variable.causality,
             variability=variable.variability,
         )
-        if variable.causality in _INITIAL:
-            element.set("initial", _INITIAL[variable.causality])
+        if variable.causality in INITIAL:
+            element.set("initial", INITIAL[variable.causality])
 
         real = etree.SubElement(element, "Real")
         if variable.unit:

@@ -21,7 +21,7 @@ code { font-size: .92em }
 _HEADINGS = {
     "input": (
         "Inputs",
-        "Held over a communication step, or polynomials of time when the master gives derivatives.",
+        "Held over a communication step; in FMI 2 polynomials of time when the master gives derivatives.",
     ),
     "output": (
         "Outputs",
@@ -34,27 +34,33 @@ _HEADINGS = {
 }
 
 
-def documentation(model, platforms: Iterable[str]) -> bytes:
-    """The page, UTF-8, of a model whose FMU is made for the given platforms."""
+_DISCARDED = {
+    2: "A step that cannot be completed returns fmi2Discard with the time reached (fmi2LastSuccessfulTime) and fmi2Terminated",
+    3: "A step that cannot be completed returns fmi3Discard and leaves the FMU as it was before",
+}
+
+
+def documentation(model, platforms: Iterable[str], fmi: int) -> bytes:
+    """The page, UTF-8, of a model whose FMU is made for the given platforms and version of FMI."""
     page = E.html(
         E.head(E.meta(charset="utf-8"), E.title(model.name), E.style(_STYLE)),
         E.body(
             E.h1(model.name),
             *([E.p(model.title, {"class": "title"})] if model.title != model.name else []),
             *([E.p(model.description)] if model.description else []),
-            *_what_it_is(model, platforms),
+            *_what_it_is(model, platforms, fmi),
             *_contents(model.scene),
             *(section for causality in _HEADINGS for section in _variables(model, causality)),
-            *_use(),
+            *_use(fmi),
         ),
         lang="en",
     )
     return html.tostring(page, doctype="<!DOCTYPE html>", encoding="utf-8", pretty_print=True)
 
 
-def _what_it_is(model, platforms) -> list:
+def _what_it_is(model, platforms, fmi) -> list:
     facts = {
-        "Kind": "FMI 2.0, co-simulation",
+        "Kind": f"FMI {fmi}.0, co-simulation",
         "Platforms": ", ".join(platforms),
         "Needs": "the C library of the platform, nothing else",
         "Solver": _solver(model.scene.solver),
@@ -124,7 +130,7 @@ def _solver(solver) -> str:
     )
 
 
-def _use() -> list:
+def _use(fmi) -> list:
     return [
         E.h2("Use"),
         E.ul(
@@ -133,8 +139,7 @@ def _use() -> list:
             E.li("The state can be saved, restored and serialised; a restored run repeats to the "
                  "last bit."),
             E.li("Several instances may run in one process, in different threads."),
-            E.li("A step that cannot be completed returns fmi2Discard with the time reached "
-                 "(fmi2LastSuccessfulTime) and fmi2Terminated; the log says why and where."),
+            E.li(_DISCARDED[fmi] + "; the log says why and where."),
         ),
         E.h2("Licence"),
         E.p("The library in this FMU is part of mbdfmi, BSD 2-Clause licence, and comes without "

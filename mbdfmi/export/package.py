@@ -9,9 +9,13 @@ from pathlib import Path
 from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
 from .description import description, generation_time
+from .description3 import description3
 from .documentation import documentation
 from .link import PLATFORMS, library
 from .resource import NAME, resource
+
+DESCRIPTIONS = {2: description, 3: description3}
+"""Who writes modelDescription.xml, by versions of FMI."""
 
 
 def export_fmu(
@@ -19,17 +23,19 @@ def export_fmu(
     path: str | os.PathLike,
     platforms: Iterable[str] | None = None,
     *,
+    fmi: int = 2,
     scene_file: str | os.PathLike | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
-    """Write a model as an FMU (FMI 2.0, co-simulation) and return its path.
+    """Write a model as an FMU for co-simulation and return its path.
 
     platforms   keys of link.PLATFORMS; default: the machine's own
+    fmi         version of FMI: 2 (2.0) or 3 (3.0)
     scene_file  the file that the model was read from, to go with the FMU in resources/
     progress    is told in a few words when something takes long
 
     The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same model gives the
-    same bytes. Raises OSError, ValueError (unknown platform, unfit path), aot.CompileError, link.LinkError
+    same bytes. Raises OSError, ValueError (unknown platform or version, unfit path), aot.CompileError, link.LinkError
     and description.DescriptionError.
     """
     path = Path(path)
@@ -38,12 +44,15 @@ def export_fmu(
     if scene_file and same(path, scene_file):
         raise ValueError(f"{path}: is the scene's own file; write the FMU under another name")
 
+    if fmi not in DESCRIPTIONS:
+        raise ValueError(f"fmi = {fmi!r}: the versions of FMI that an FMU can be written for are 2 and 3")
+
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
     files = {
-        "modelDescription.xml": description(model),
+        "modelDescription.xml": DESCRIPTIONS[fmi](model),
         "model.png": (Path(__file__).parent / "model.png").read_bytes(),
-        "documentation/index.html": documentation(model, chosen),
+        "documentation/index.html": documentation(model, chosen, fmi),
         f"resources/{NAME}": resource(model, MESSAGES),
     }
     if scene_file:
@@ -52,7 +61,7 @@ def export_fmu(
     for name in chosen:
         data = library(name, progress).read_bytes()
 
-        for folder in PLATFORMS[name].folders:
+        for folder in (PLATFORMS[name].folder3,) if fmi == 3 else PLATFORMS[name].folders:
             files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
 
     _write_archive(path, files)

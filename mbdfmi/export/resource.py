@@ -7,7 +7,7 @@ from ..compiler.model import SEALED_SIZES, sealed
 
 NAME = "model.bin"
 MAGIC = b"mbdfmi\0\1"
-VERSION = 4
+VERSION = 5
 SIZES = (*SEALED_SIZES, "places", "messages", "notices")
 GUID_SIZE = 64
 

@@ -15,13 +15,15 @@ def add(commands):
         run,
         "export",
         "write scenes as FMUs",
-        """An FMU (FMI 2.0, co-simulation) holds all it needs: no Python and no compiler
+        """An FMU (for co-simulation, FMI 2.0 or 3.0) holds all it needs: no Python and no compiler
 where it runs. The first export of a version compiles the kernels, which takes
 some minutes; later ones take a second.""",
         """examples:
   mbdfmi export crane.toml                      writes crane.fmu
   mbdfmi export crane.toml -o out/tower.fmu     under another name
   mbdfmi export models/*.toml -o fmus           one FMU for each, in a folder
+  mbdfmi export crane.toml --fmi 3              as FMI 3.0
+  mbdfmi export crane.toml --fmi 2,3            crane_fmi2.fmu and crane_fmi3.fmu
   mbdfmi export crane.toml --platform x86_64-linux --platform x86_64-windows""",
     )
     command.add_argument("scenes", nargs="+", **SCENE)
@@ -31,6 +33,12 @@ some minutes; later ones take a second.""",
         metavar="PATH",
         help="the FMU when it ends in .fmu, - for the standard output, else a folder "
         "(default: <scene's name>.fmu here)",
+    )
+    command.add_argument(
+        "--fmi",
+        metavar="VERSION",
+        default="2",
+        help="2, 3, or 2,3 for a file of each (default: 2)",
     )
     command.add_argument(
         "--platform",
@@ -46,28 +54,30 @@ def run(options):
     from ...compiler.model import c_identifier
 
     platforms = _platforms(options.platform)
+    versions = _versions(options.fmi)
     files = [file for given in options.scenes for file in matching(given)]
     target = Path(options.output or "")
-    one_file = _is_one_file(target, files)
+    one_file = _is_one_file(target, files, versions)
     say = err if to_standard_output(target) else out
     written, failures = {}, []
 
     for file in files:
         try:
             scene = load_scene(file)
-            path = writable(target if one_file else target / f"{c_identifier(scene.name)}.fmu", files)
+            name = c_identifier(scene.name)
+            names = [name] if len(versions) == 1 else [f"{name}_fmi{fmi}" for fmi in versions]
+            paths = [writable(target if one_file else target / f"{name}.fmu", files) for name in names]
 
-            if path in written:
-                raise ValueError(
-                    f"{file}: has the same name as {written[path]}, so their FMUs would have too"
-                )
+            if found := [written[path] for path in paths if path in written]:
+                raise ValueError(f"{file}: has the same name as {found[0]}, so their FMUs would have too")
 
-            with doing(f"{file}: exporting") as tell:
-                scene.export(path, platforms, progress=_about(file, tell))
+            for path, fmi in zip(paths, versions):
+                with doing(f"{file}: exporting") as tell:
+                    scene.export(path, platforms, fmi=fmi, progress=_about(file, tell))
 
-            written[path] = file
-            size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""
-            say.print(f"{path}{size}", soft_wrap=True)
+                written[path] = file
+                size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""
+                say.print(f"{path}{size}", soft_wrap=True)
         except Exception as error:
             if not is_told(error):
                 raise
@@ -92,7 +102,18 @@ def _platforms(given):
     return given
 
 
-def _is_one_file(target, files):
+def _versions(given):
+    """Versions of FMI, as `export` takes them, of --fmi. Raises ValueError for one that is unknown."""
+    words = [word.strip() for word in given.split(",")]
+
+    for word in words:
+        if word not in ("2", "3"):
+            raise ValueError(f"--fmi {given}: unknown; there are 2, 3 and 2,3")
+
+    return sorted({int(word) for word in words})
+
+
+def _is_one_file(target, files, versions):
     """Whether --output names the FMU itself and not a folder. Raises ValueError where it fits neither."""
     written_to = to_standard_output(target) or (target.exists() and not target.is_file())
     one_file = (target.suffix.lower() == ".fmu" or written_to) and not target.is_dir()
@@ -102,6 +123,9 @@ def _is_one_file(target, files):
 
     if one_file and len(files) > 1:
         raise ValueError(f"--output {target}: one file cannot hold {len(files)} scenes; name a folder")
+
+    if one_file and len(versions) > 1:
+        raise ValueError(f"--output {target}: one file cannot be FMI 2 and FMI 3; name a folder")
 
     return one_file
 

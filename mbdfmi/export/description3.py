@@ -1,0 +1,137 @@
+"""modelDescription.xml of FMI 3.0.
+
+A variable is an array, and its value reference that of its first element among the scalars of FMI 2.0; behind the last of these
+stands time.
+"""
+
+from lxml import etree
+
+from ..compiler.variables import ArrayVariable, arrays
+from .description import (
+    INITIAL,
+    MOST_LISTED,
+    add_experiment,
+    add_log_categories,
+    add_units,
+    checked,
+    texts_of,
+)
+
+CAUSALITIES = ("input", "output", "parameter")
+
+
+def description3(model) -> bytes:
+    """modelDescription.xml of a model, UTF-8, checked against the FMI 3.0 schema.
+
+    Raises DescriptionError when it is not valid.
+    """
+    root = etree.Element(
+        "fmiModelDescription", fmiVersion="3.0", instantiationToken=model.guid, **texts_of(model)
+    )
+    found = arrays(model.variables)
+    _co_simulation(root, model)
+    add_units(root, {"s", *map(_unit, found)})
+    add_log_categories(root)
+    add_experiment(root)
+    _variables(root, found, len(model.variables))
+    _structure(root, found)
+    return checked(root, model, 3)
+
+
+def _co_simulation(root, model) -> None:
+    etree.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.identifier,
+        canGetAndSetFMUState="true",
+        canSerializeFMUState="true",
+        canHandleVariableCommunicationStepSize="true",
+        maxOutputDerivativeOrder="0",
+        providesDirectionalDerivatives="false",
+        providesAdjointDerivatives="false",
+        providesPerElementDependencies="false",
+        providesIntermediateUpdate="false",
+        mightReturnEarlyFromDoStep="false",
+        canReturnEarlyAfterIntermediateUpdate="false",
+        hasEventMode="false",
+    )
+
+
+def _unit(array: ArrayVariable) -> str | None:
+    """The unit of all elements; None where they have several."""
+    units = {v.unit for v in array.elements}
+    return units.pop() if len(units) == 1 else None
+
+
+def _variables(root, found: list[ArrayVariable], time: int) -> None:
+    """The variables; `time` is the value reference of the independent one."""
+    variables = etree.SubElement(root, "ModelVariables")
+
+    for array in found:
+        variable = array.elements[0]
+        element = etree.SubElement(
+            variables,
+            "Float64",
+            name=array.name,
+            valueReference=str(array.first),
+            description=variable.description + _units_by_rows(array),
+            causality=variable.causality,
+            variability=variable.variability,
+        )
+        if variable.causality in INITIAL:
+            element.set("initial", INITIAL[variable.causality])
+        if unit := _unit(array):
+            element.set("unit", unit)
+        if starts := [repr(float(v.start)) for v in array.elements if v.start is not None]:
+            element.set("start", " ".join(starts))
+        for size in array.shape:
+            etree.SubElement(element, "Dimension", start=str(size))
+
+    etree.SubElement(
+        variables,
+        "Float64",
+        name="time",
+        valueReference=str(time),
+        description="time",
+        causality="independent",
+        variability="continuous",
+        unit="s",
+    )
+
+
+def _units_by_rows(array: ArrayVariable) -> str:
+    """What a description says of elements with several units."""
+    if len({v.unit for v in array.elements}) == 1:
+        return ""
+
+    length = array.shape[-1]
+    units = [v.unit or "1" for v in array.elements]
+    rows = dict.fromkeys(", ".join(units[k : k + length]) for k in range(0, len(units), length))
+    return f" (units by rows: {'; '.join(rows)})"
+
+
+def _structure(root, found: list[ArrayVariable]) -> None:
+    """Which outputs there are and what they depend on, by value references, as `description` says it for scalars."""
+    structure = etree.SubElement(root, "ModelStructure")
+    whole = {array.first + k: array.first for array in found for k in range(len(array.elements))}
+    of = {causality: [a for a in found if a.elements[0].causality == causality] for causality in CAUSALITIES}
+    inputs, outputs, parameters = of.values()
+    known = {a.first: sorted({whole[k] for v in a.elements for k in v.depends}) for a in outputs}
+    partial = [given for given in known.values() if len(given) < len(inputs)]
+    lists = sum(len(given) + len(parameters) for given in partial) <= MOST_LISTED
+    all_parameters = [array.first for array in parameters]
+
+    for first, given in known.items():
+        _add_unknown(structure, "Output", first, given)
+
+    for first, given in known.items():
+        listed = lists and len(given) < len(inputs)
+        _add_unknown(structure, "InitialUnknown", first, [*given, *all_parameters] if listed else None)
+
+
+def _add_unknown(structure, section: str, reference: int, known: list[int] | None) -> None:
+    """An unknown that depends on some references; None: on all that is known."""
+    element = etree.SubElement(structure, section, valueReference=str(reference))
+
+    if known is not None:
+        element.set("dependencies", " ".join(map(str, known)))

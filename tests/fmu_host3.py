@@ -1,0 +1,150 @@
+"""A master of FMI 3.0 that speaks to an FMU without help: bare calls, statuses and messages as they come."""
+
+import ctypes
+from ctypes import byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from math import prod
+from pathlib import Path
+
+import fmpy
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+
+
+class Library:
+    """An unpacked FMU and its shared library."""
+
+    def __init__(self, fmu: Path, folder: Path):
+        fmpy.extract(str(fmu), str(folder))
+        self.folder = Path(folder)
+        self.description = fmpy.read_model_description(str(folder))
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        identifier = self.description.coSimulation.modelIdentifier
+        binary = f"binaries/{fmpy.platform_tuple}/{identifier}{fmpy.sharedLibraryExtension}"
+        self.dll = ctypes.CDLL(str(self.folder / binary))
+
+        self.instantiate = {
+            kind: getattr(self.dll, f"fmi3Instantiate{kind}")
+            for kind in ("ModelExchange", "CoSimulation", "ScheduledExecution")
+        }
+        for function in self.instantiate.values():
+            function.restype = c_void_p
+
+    def length(self, name: str) -> int:
+        """How many values a variable has."""
+        return prod(int(d.start) for d in self.variables[name].dimensions)
+
+    def names(self, causality: str) -> list[str]:
+        """Names of the inputs, outputs or parameters."""
+        return [v.name for v in self.variables.values() if v.causality == causality]
+
+
+class Instance:
+    """One instance; every call returns its status. `component` is None when it was refused.
+
+    log : list of (status, category, message).
+
+    An empty token is passed as NULL; the default is the right one.
+    """
+
+    def __init__(self, library, name=b"it", token=None, path=None, kind="CoSimulation", logging=True, extra=None):
+        self.library = library
+        self.log = []
+        self.logger = LOGGER(lambda _, *told: self.log.append((told[0], told[1].decode(), told[2].decode())))
+        token = library.description.guid.encode() if token is None else token
+        path = f"{library.folder / 'resources'}/".encode() if path is None else path
+        first = c_char_p(name), c_char_p(token or None), c_char_p(path or None), c_bool(False), c_bool(logging)
+        own = extra or (c_bool(False), c_bool(False), None, c_size_t(0))
+        last = {"ModelExchange": (), "CoSimulation": (None,), "ScheduledExecution": (None, None, None)}[kind]
+        more = own if kind == "CoSimulation" else ()
+        self.component = library.instantiate[kind](*first, *more, None, self.logger, *last)
+
+    @property
+    def message(self) -> str:
+        """The last message."""
+        return self.log[-1][2]
+
+    def call(self, function: str, *arguments) -> int:
+        """Status of a bare call; the instance comes first by itself."""
+        return getattr(self.library.dll, function)(c_void_p(self.component), *arguments)
+
+    def free(self):
+        self.library.dll.fmi3FreeInstance(c_void_p(self.component))
+
+    # life
+
+    def enter(self, start=0.0, stop=None, tolerance=None):
+        end = (c_bool(stop is not None), c_double(stop or 0.0))
+        given = (c_bool(tolerance is not None), c_double(tolerance or 0.0))
+        return self.call("fmi3EnterInitializationMode", *given, c_double(start), *end)
+
+    def exit(self):
+        return self.call("fmi3ExitInitializationMode")
+
+    def start(self, start=0.0, stop=None):
+        """Up to the first step."""
+        assert self.enter(start, stop) == self.exit() == OK
+        return self
+
+    # values: arrays by rows
+
+    def _references(self, keys):
+        keys = [self.library.variables[k].valueReference if isinstance(k, str) else k for k in keys]
+        return (c_uint * len(keys))(*keys), c_size_t(len(keys))
+
+    def set(self, values: dict[int | str, float | list[float]]) -> int:
+        flat = [x for value in values.values() for x in (value if isinstance(value, list) else [value])]
+        numbers = (c_double * len(flat))(*flat)
+        return self.call("fmi3SetFloat64", *self._references(values), numbers, c_size_t(len(flat)))
+
+    def get(self, *keys: int | str, room=None) -> tuple[int, list[float]]:
+        """Status and values."""
+        if room is None:
+            room = sum(self.library.length(k) if isinstance(k, str) else 1 for k in keys)
+
+        values = (c_double * room)()
+        status = self.call("fmi3GetFloat64", *self._references(keys), values, c_size_t(room))
+        return status, list(values)
+
+    def outputs(self) -> list[float]:
+        """All outputs; they must be had."""
+        status, values = self.get(*self.library.names("output"))
+        assert status == OK
+        return values
+
+    # steps
+
+    def step(self, t: float, H: float) -> int:
+        """The status; `told` is (event, terminate, early return, time)."""
+        told = c_bool(True), c_bool(True), c_bool(True), c_double(float("nan"))
+        given = c_double(t), c_double(H), c_bool(True)
+        status = self.call("fmi3DoStep", *given, *map(byref, told))
+        self.told = tuple(place.value for place in told)
+        return status
+
+    # snapshots
+
+    def save(self) -> c_void_p:
+        snapshot = c_void_p()
+        assert self.call("fmi3GetFMUState", byref(snapshot)) == OK
+        return snapshot
+
+    def restore(self, snapshot: c_void_p) -> int:
+        return self.call("fmi3SetFMUState", snapshot)
+
+    def forget(self, snapshot: c_void_p) -> int:
+        return self.call("fmi3FreeFMUState", byref(snapshot))
+
+    def serialise(self, snapshot: c_void_p) -> bytes:
+        size = c_size_t()
+        assert self.call("fmi3SerializedFMUStateSize", snapshot, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call("fmi3SerializeFMUState", snapshot, data, size) == OK
+        return data.raw
+
+    def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
+        snapshot = c_void_p()
+        status = self.call("fmi3DeserializeFMUState", data, c_size_t(len(data)), byref(snapshot))
+        return status, snapshot
+
+
