@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "mbdfmi"
 
 FLOORS = (
-    ("vocabulary", "steppers", "units", "files", "vectors"),
+    ("vocabulary", "steppers", "units", "files", "vectors", "rotations"),
     ("scene", "kernels"),
     ("compiler",),
     ("run",),

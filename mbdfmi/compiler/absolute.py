@@ -1,12 +1,12 @@
 """Start values in absolute coordinates, found in relative ones."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..kernels import entry
 from ..kernels.dynamics import rates
 from ..kernels.motion import coordinates
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
+from ..rotations import Rotation
 from ..scene import Problem, SceneError
 from ..vectors import dot
 from .builder import Place

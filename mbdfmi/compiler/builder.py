@@ -1,16 +1,15 @@
 """What the parts of a scene are collected into while they become a model."""
 
-import warnings
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..kernels import layout, outputs
 from ..kernels.joints import KINDS, N_Q, N_V
 from ..kernels.math import tables
 from ..kernels.motion import coordinates
+from ..rotations import Rotation
 from ..scene import Problem, SceneData
 from .dependencies import Dependencies
 from .interpolation import curve
@@ -366,9 +365,7 @@ class Builder:
 
     def add_zyx(self, variable, name, node, E):
         """Yaw, pitch, roll as another way to start an orientation."""
-        with warnings.catch_warnings(action="ignore"):  # at a pitch of 90 deg yaw and roll are one
-            values = Rotation.from_quat(E).as_euler("ZYX")
-
+        values = Rotation.from_quat(E).as_zyx()
         about = f"yaw, pitch, roll of {name} at the start; they count instead of the Euler parameters once they are changed"
         columns = self.tables["n_body"].columns
         columns["zyx_start"][node] = columns["zyx_told"][node] = values

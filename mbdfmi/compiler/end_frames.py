@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
+import scipy  # which imports its parts when they are asked for
 
 from ..kernels import notes, outputs
 from ..kernels.end_frames import curves, surfaces, touching
@@ -89,12 +89,14 @@ def _add_curve(builder, curve):
 
     if kind == curves.SPLINE:
         points, s = curve.points, curve.s
-        spline = CubicSpline(s, points, bc_type="periodic" if curve.closed else "not-a-knot")
+        spline = scipy.interpolate.CubicSpline(
+            s, points, bc_type="periodic" if curve.closed else "not-a-knot"
+        )
         row["curve_table"] = builder.tables["n_table"].length
         row["curve_size"] = np.linalg.norm(points, axis=1).max()
 
         for component in range(3):
-            builder.table(PPoly(spline.c[:, :, component], spline.x), tables.LINEAR)
+            builder.table(scipy.interpolate.PPoly(spline.c[:, :, component], spline.x), tables.LINEAR)
 
         if curve.closed:
             row["curve_value"] = s[-1] - s[0]
@@ -149,9 +151,9 @@ def _add_surface(builder, surface):
 
 def _add_patches(builder, surface):
     """Bicubic patches through a grid of points, with a frame of straight ones around it."""
-    spline = CubicSpline(surface.s1, surface.points)
+    spline = scipy.interpolate.CubicSpline(surface.s1, surface.points)
     edges1, across = _with_straight_ends(spline.x, spline.c)
-    spline = CubicSpline(surface.s2, across, axis=2)
+    spline = scipy.interpolate.CubicSpline(surface.s2, across, axis=2)
     edges2, along = _with_straight_ends(spline.x, spline.c)
 
     # from (power of s2, patch by s2, power of s1, patch by s1, component), highest powers first
@@ -161,7 +163,10 @@ def _add_patches(builder, surface):
     for coefficients in patches.reshape(-1, 48):
         builder.tables["n_patch"].add(patch_c=coefficients)
 
-    edges = [builder.table(PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR) for x in (edges1, edges2)]
+    edges = [
+        builder.table(scipy.interpolate.PPoly(np.zeros((1, len(x) - 1)), x), tables.LINEAR)
+        for x in (edges1, edges2)
+    ]
     return {"surface_patch": first, "surface_table": edges}
 
 

@@ -6,7 +6,7 @@ than a sampled peak does.
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline, KroghInterpolator, PchipInterpolator, PPoly
+import scipy  # which imports its parts when they are asked for
 
 from ..vectors import solve_banded
 
@@ -30,23 +30,23 @@ def curve(interpolation, x, y):
 
 def linear(x, y):
     """Straight lines."""
-    return PPoly([np.diff(y) / np.diff(x), y[:-1]], x)
+    return scipy.interpolate.PPoly([np.diff(y) / np.diff(x), y[:-1]], x)
 
 
 def steps(x, y):
     """Each value until the next point."""
     end = x[-1] + (x[-1] - x[-2])
-    return PPoly([y], np.append(x, end))
+    return scipy.interpolate.PPoly([y], np.append(x, end))
 
 
 def monotone(x, y):
     """Cubic, between its neighbours everywhere (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984)."""
-    return PchipInterpolator(x, y)
+    return scipy.interpolate.PchipInterpolator(x, y)
 
 
 def cubic(x, y):
     """The cubic spline, not-a-knot; of fewer than four points the polynomial through them."""
-    return CubicSpline(x, y, bc_type="not-a-knot" if len(x) > 2 else "natural")
+    return scipy.interpolate.CubicSpline(x, y, bc_type="not-a-knot" if len(x) > 2 else "natural")
 
 
 def quintic(x, y):
@@ -94,7 +94,7 @@ def _ends(pieces):
 
 def _hermite(x, y, slope, bend):
     """The quintic pieces of these values, slopes and second slopes at the points."""
-    return PPoly(_coefficients(x, y, slope, bend)[::-1], x)
+    return scipy.interpolate.PPoly(_coefficients(x, y, slope, bend)[::-1], x)
 
 
 def _coefficients(x, y, slope, bend):
@@ -178,7 +178,7 @@ def _spline(x, y, held, slope, bend):
 
     if n <= FREE_PIECES and not held.any():
         return (
-            KroghInterpolator(x, y).derivatives(x, 3)[1:]
+            scipy.interpolate.KroghInterpolator(x, y).derivatives(x, 3)[1:]
             if n > 2
             else (np.full(2, np.diff(y) / np.diff(x)), np.zeros(2))
         )

@@ -1,9 +1,9 @@
 """Where things are at the start, as far as start values alone tell."""
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.spatial.transform import Rotation
+import scipy  # which imports its parts when they are asked for
 
+from ..rotations import Rotation
 from ..vectors import dot, norm
 from .frames import IDENTITY, compose, inverse
 from .interpolation import curve
@@ -121,7 +121,7 @@ def _ground_pose(motion):
 def _pose_on_ellipse(orbit):
     """Pose at time 0 of a ground on an elliptic orbit."""
     M, e = orbit.mean_anomaly_value(), orbit.eccentricity
-    E = brentq(lambda E: E - e * np.sin(E) - M, M - 1.0, M + 1.0, xtol=1e-15)
+    E = scipy.optimize.brentq(lambda E: E - e * np.sin(E) - M, M - 1.0, M + 1.0, xtol=1e-15)
     r = dot(orbit.axes(), np.array([np.cos(E) - e, np.sqrt(1 - e * e) * np.sin(E), 0.0]))
     radial, normal = r / norm(r), orbit.axes()[:, 2]
     A = np.column_stack([radial, np.cross(normal, radial), normal]) if orbit.pointing else np.eye(3)

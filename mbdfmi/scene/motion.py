@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
-from scipy.spatial.transform import Rotation as SpatialRotation
 
+from .. import rotations
 from ..vocabulary import GROUND_INPUTS
 from .errors import listed, quoted, show
 from .fields import (
@@ -149,7 +149,7 @@ class EllipticOrbitOptions(Part):
     def axes(self):
         """(3, 3), by column: towards the periapsis, along the track there, and the normal."""
         angles = [in_si(self, key) for key in ("node", "inclination", "periapsis")]
-        return SpatialRotation.from_euler("ZXZ", angles).as_matrix()
+        return rotations.Rotation.from_euler("ZXZ", angles).as_matrix()
 
     def mean_motion(self):
         """rad/s."""
@@ -219,10 +219,10 @@ class PoseOverTime(Table):
         position = np.zeros((len(time), 3)) if self.position is None else np.array(self.position)
 
         if self.euler_parameters is not None:
-            E = SpatialRotation.from_quat(self.euler_parameters).as_quat()
+            E = rotations.Rotation.from_quat(self.euler_parameters).as_quat()
         else:
             angles = in_si(self, "zyx", np.zeros((len(time), 3)))
-            E = SpatialRotation.from_euler("ZYX", angles).as_quat()
+            E = rotations.Rotation.from_euler("ZYX", angles).as_quat()
 
         turns = np.sum(E[1:] * E[:-1], axis=1) < 0
         E[1:][np.cumsum(turns) % 2 == 1] *= -1

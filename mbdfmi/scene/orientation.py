@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator, Field
-from scipy.spatial.transform import Rotation
 
+from ..rotations import Rotation
 from ..vectors import dot, norm
 from .errors import listed
 from .fields import Array, Axis, Number, OneOf, Part, Vector, unit_vector
@@ -68,7 +68,7 @@ class Oriented(Part):
     axes: Annotated[dict[OneOf("x", "y", "z"), Axis], AfterValidator(_axes)] | None = None
 
     def rotation(self):
-        """The scipy Rotation A: components in the frame to components in the base."""
+        """The Rotation A: components in the frame to components in the base."""
         if self.euler_parameters is not None:
             return Rotation.from_quat(self.euler_parameters)
         if self.zyx_deg is not None:
