@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from loop_scenes import random_loops
 
 from mbdfmi import Scene
+from mbdfmi.analysis.mechanism import Mechanism
 
 BOX = {"mass": 1.0, "inertia": [1, 1, 1]}
 
@@ -206,3 +208,44 @@ def test_freedom_does_not_depend_on_where_things_are_or_which_joint_is_cut(seed)
 
     assert found.freedom == n - 6
     assert found.redundant == [] and found.undetermined == []
+
+
+@pytest.mark.parametrize("loops", [["revolute"], ["screw", "spherical"], ["cylindrical", "distance"], ["universal", "prismatic"]])
+def test_reactions_are_undetermined_where_absolute_coordinates_find_self_stress(loops):
+    """In absolute coordinates all joints are rows: the left null space of their Jacobian is the self-stress."""
+    scene = Scene.model_validate(random_loops(3, loops, freedoms=-2))
+    found = scene.structure()
+    solver = scene.solver.model_copy(update={"formulation": "augmented"})
+    parted = Mechanism(scene.model_copy(update={"solver": solver}))
+    owners_of = np.array([parted.owner(row) for row in range(parted.m.n_row)])
+    touched, count = set(), 0
+
+    for rows, stress in parted.generic().self_stress:
+        size = np.abs(stress / stress.max(axis=0)).max(axis=1)
+        touched |= set(owners_of[rows[size > 1e-5]])
+        count += stress.shape[1]
+
+    assert count == found.equations - found.rank
+    assert {reaction.owner for reaction in found.undetermined} == touched
+
+
+def test_a_row_of_loops_has_three_equations_too_many_a_loop():
+    """A planar ladder of n cells: each of its loops repeats three equations, each of its hinges bears what no one knows."""
+    n = 12
+    body, joint = {}, {}
+
+    for k in range(n):
+        up, down = f"up{k}", f"down{k}"
+        markers = {"low": {"position": [-0.5, 0, 0]}, "high": {"position": [0.5, 0, 0]}}
+        body |= {bar: BOX | {"marker": markers} for bar in (up, down)}
+        joint[f"middle{k}"] = {"revolute": {}, "between": [up, down]}
+        left, right = (f"down{k - 1}.high", f"up{k - 1}.high") if k else ("ground", "shoe")
+        angles = (1.0, np.pi - 1.0) if k == 0 else (2.0 - np.pi, np.pi - 2.0)
+        joint[f"left{k}"] = {"revolute": {}, "between": [left, f"{up}.low"], "start": {"angle": angles[0]}}
+        joint[f"right{k}"] = {"revolute": {}, "between": [right, f"{down}.low"], "start": {"angle": angles[1]}}
+
+    body["shoe"] = BOX
+    joint["slide"] = {"prismatic": {"axis": "x"}, "between": ["ground", "shoe"], "start": {"position": np.cos(1.0)}}
+    found = Scene(name="lift", body=body, joint=joint).structure()
+    assert (found.freedom, found.equations - found.rank) == (1, 3 * n)
+    assert {reaction.owner for reaction in found.undetermined} == set(joint)

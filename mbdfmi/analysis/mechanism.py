@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from ..compiler.frames import axes_with_z
 from ..compiler.joint_kinds import kind_of
@@ -30,13 +32,33 @@ NEARBY = (0.1, 0.23)
 
 
 @dataclass
+class Loads:
+    """What unit multipliers of the rows do to the nodes, SI.
+
+    moment, force : (n_row, 3) wrench on the second marker's body about that marker's origin.
+    row, node, wrench : (n,), (n,), (n, 6) each wrench of a row on a node: moment about the inertial
+        origin, force.
+    effort_row, effort_node, effort : (n,) efforts along nodes' own coordinates.
+    """
+
+    moment: np.ndarray
+    force: np.ndarray
+    row: np.ndarray
+    node: np.ndarray
+    wrench: np.ndarray
+    effort_row: np.ndarray
+    effort_node: np.ndarray
+    effort: np.ndarray
+
+
+@dataclass
 class Place:
     """The Jacobian at one position, and what was seen there.
 
     C : (n_row, n) rows' rates by free velocity coordinates, without units.
     scale : (n_row,) a row of C is this times the row in SI units.
-    moment, force : (n_row, 3) each row's wrench on its second marker's body about that marker's
-        origin, for a unit multiplier; N m and N.
+    constraint : (n_row,) of each row.
+    loads : what unit multipliers do to the nodes.
     twist : (n, n_body, 6) angular velocity and velocity of the nodes' origins for a unit of each
     coordinate, SI.
     r, A : (n_body, 3) m, (n_body, 3, 3) poses of the nodes.
@@ -44,31 +66,63 @@ class Place:
 
     C: np.ndarray
     scale: np.ndarray
-    moment: np.ndarray
-    force: np.ndarray
+    constraint: np.ndarray
+    loads: Loads
     twist: np.ndarray
     r: np.ndarray
     A: np.ndarray
 
     @cached_property
-    def _svd(self):
-        return np.linalg.svd(self.C)
+    def _blocks(self):
+        """(rows, columns, U, singular values, V^T) of each block of C: of loops that share no coordinate."""
+        n_row, n = self.C.shape
+        rows, columns = np.nonzero(self.C)
+        links = np.ones(len(rows)), (self.constraint[rows], n_row + columns)
+        _, number = connected_components(coo_array(links, shape=(n_row + n, n_row + n)), directed=False)
+        order = np.argsort(number, kind="stable")
+        blocks = []
+
+        for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
+            rows = np.flatnonzero(np.isin(self.constraint, members[members < n_row]))
+            columns = members[members >= n_row] - n_row
+
+            if rows.size or columns.size:
+                blocks.append((rows, columns, *np.linalg.svd(self.C[np.ix_(rows, columns)])))
+
+        return blocks
 
     @cached_property
-    def rank(self) -> int:
-        """Independent rows."""
-        s = self._svd[1]
-        return int(np.sum(s > ZERO * s[0])) if s.size else 0
+    def _ranks(self):
+        """Independent rows of each block."""
+        largest = max((s[0] for _, _, _, s, _ in self._blocks if s.size), default=0.0)
+        return [int(np.sum(s > ZERO * largest)) for _, _, _, s, _ in self._blocks]
 
     @property
+    def rank(self) -> int:
+        """Independent rows."""
+        return sum(self._ranks)
+
+    @cached_property
     def motions(self):
         """(n, n - rank): orthonormal columns of free motions, without units."""
-        return self._svd[2][self.rank :].T
+        n = self.C.shape[1]
+        motions = np.zeros((n, n - self.rank))
+        first = 0
+
+        for (_, columns, _, _, V), rank in zip(self._blocks, self._ranks):
+            motions[columns, first : first + len(columns) - rank] = V[rank:].T
+            first += len(columns) - rank
+
+        return motions
 
     @property
     def self_stress(self):
-        """(n_row, n_row - rank): multipliers, SI, that add up to nothing on every body."""
-        return self.scale[:, None] * self._svd[0][:, self.rank :]
+        """[(rows, (n, k))]: of each block its rows; multipliers, SI, that do nothing along coordinates."""
+        return [
+            (rows, self.scale[rows, None] * U[:, rank:])
+            for (rows, _, U, _, _), rank in zip(self._blocks, self._ranks)
+            if rank < len(rows)
+        ]
 
 
 class Mechanism:
@@ -77,7 +131,7 @@ class Mechanism:
     free : velocity coordinates that no drive prescribes; units : (n,) the SI value of a unit-free
     1 of each.
     length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
-    first : joints that are in the tree before all others.
+    first : joints that are in the tree before all others. joint_nodes : joint of the tree -> its nodes.
     """
 
     def __init__(self, scene, first=()):
@@ -93,6 +147,12 @@ class Mechanism:
             n = 0 if m.body_drive[i] >= 0 else joints.N_V[kind]
             self.free += range(m.body_v[i], m.body_v[i] + n)
             rotates += [k >= joints.N_SLIDE[kind] for k in range(n)]
+
+        self.joint_nodes: dict[str, list[int]] = {}
+
+        for i, node in enumerate(self.model.tree.nodes):
+            if node.joint:
+                self.joint_nodes.setdefault(node.joint, []).append(i)
 
         self.redundant = np.flatnonzero(self.d.row_redundant).tolist()
         kinematics.kinematics(m, self.d)
@@ -132,15 +192,15 @@ class Mechanism:
             C[:, k] = rate - rest
             d.v[v] = 0.0
 
-        moment, force = self._wrenches()
-        turning = np.linalg.norm(force, axis=1) == 0.0
+        loads = self._loads()
+        turning = np.linalg.norm(loads.force, axis=1) == 0.0
         scale = np.where(turning, 1.0, 1.0 / self.length)
         scale = np.where(self.is_coupling(), self._coupling_scale(C), scale)
         place = Place(
             C=scale[:, None] * C * self.units,
             scale=scale,
-            moment=moment,
-            force=force,
+            constraint=m.row_constraint,
+            loads=loads,
             twist=twist,
             r=d.r.reshape(-1, 3).copy(),
             A=d.A.reshape(-1, 3, 3).copy(),
@@ -164,34 +224,63 @@ class Mechanism:
         largest = np.abs(C * self.units).max(axis=1, initial=0.0)
         return 1.0 / np.where(largest > 0.0, largest, 1.0)
 
-    def _wrenches(self):
-        """(moment, force) (n_row, 3) of each row on its second marker's body, about that marker's
-        origin.
-        """
+    def _loads(self) -> Loads:
+        """What the rows do as they were last written."""
         m, d = self.m, self.d
-        force = d.row_force_to.reshape(-1, 3).copy()
-        moment = d.row_moment_to.reshape(-1, 3).copy()
-        A = d.A.reshape(-1, 3, 3)
+        every = np.arange(m.n_row)
+        first, second = m.constraint_from[m.row_constraint], m.constraint_to[m.row_constraint]
+        body = m.marker_body[second]
+        force, moment = d.row_force_to.reshape(-1, 3), d.row_moment_to.reshape(-1, 3)
+        arm = np.einsum("kij,kj->ki", d.A.reshape(-1, 3, 3)[body], m.marker_r.reshape(-1, 3)[second])
+        acts = [
+            (every, m.marker_body[first], d.row_moment_from, d.row_force_from),
+            (every, body, d.row_moment_to, d.row_force_to),
+        ]
+        efforts = []
 
-        for row in range(m.n_row):
-            marker = m.constraint_to[m.row_constraint[row]]
-            arm = A[m.marker_body[marker]] @ m.marker_r[3 * marker : 3 * marker + 3]
-            moment[row] -= np.cross(arm, force[row])
+        for row in np.flatnonzero(self.is_coupling()).tolist():
+            for t in range(m.row_term[row], m.row_term[row] + m.row_terms[row]):
+                node = rows.body_of_term(m, t)
 
-        return moment, force
+                if node:
+                    efforts.append((row, node, m.term_factor[t]))
+                elif t > m.row_term[row]:
+                    a, b = rows.bodies_of_term(m, t)
+                    at = slice(3 * t, 3 * t + 3)
+                    acts.append(
+                        (np.array([row]), np.array([a]), d.term_moment_from[at], d.term_force_from[at])
+                    )
+                    acts.append((np.array([row]), np.array([b]), d.term_moment_to[at], d.term_force_to[at]))
+
+        node = np.concatenate([nodes for _, nodes, _, _ in acts])
+        pull = np.concatenate([f for _, _, _, f in acts]).reshape(-1, 3)
+        turn = np.concatenate([n for _, _, n, _ in acts]).reshape(-1, 3)
+        turn = turn + np.cross(d.r.reshape(-1, 3)[node], pull)
+        effort_row, effort_node, effort = np.array(efforts, float).reshape(-1, 3).T
+        return Loads(
+            moment=moment - np.cross(arm, force),
+            force=force.copy(),
+            row=np.concatenate([some for some, _, _, _ in acts]),
+            node=node,
+            wrench=np.hstack([turn, pull]),
+            effort_row=effort_row.astype(int),
+            effort_node=effort_node.astype(int),
+            effort=effort,
+        )
 
     def generic(self) -> Place:
         """The place of the greatest rank among the start and some near it; the start where that is
         one of them.
         """
-        return max([self.here(), *self._nearby()], key=lambda place: place.rank)
+        here = self.here()
+        return max([here, *self._nearby(here)], key=lambda place: place.rank)
 
-    def _nearby(self):
+    def _nearby(self, here):
         """Places a little way along allowed motions in which every joint takes part; the state
         stays at the start.
         """
         start = self.d.x.copy()
-        motions = self.here().motions
+        motions = here.motions
         places = []
 
         for k, step in enumerate(NEARBY if motions.size else ()):

@@ -9,6 +9,7 @@ import numpy as np
 from ..compiler.joint_kinds import kind_of
 from ..kernels.dynamics import rows
 from .mechanism import ZERO, Mechanism
+from .stress import stresses
 
 
 @dataclass(frozen=True)
@@ -67,25 +68,24 @@ def structure(scene) -> Structure:
 
     Raises SceneError; SimulationError where a loop cannot be closed.
     """
-    joined = Mechanism(_with_all_joints(scene, "recursive"))
-    parted = Mechanism(_with_all_joints(scene, "augmented"))
-    here, generic = joined.here(), joined.generic()
-    model = joined.model
+    mechanism = Mechanism(_with_all_joints(scene))
+    here, generic = mechanism.here(), mechanism.generic()
+    model = mechanism.model
 
     return Structure(
-        coordinates=len(joined.free),
+        coordinates=len(mechanism.free),
         equations=model.n_row,
         rank=generic.rank,
-        freedom_at_start=len(joined.free) - here.rank,
+        freedom_at_start=len(mechanism.free) - here.rank,
         driven=[name for name, joint in scene.joint.items() if joint.driver],
         closing=[name for name in model.tree.cuts if kind_of(scene.joint[name]).in_trees],
-        driveable=joined.driveable(generic),
-        redundant=[_equation(joined, row, here) for row in joined.redundant],
-        undetermined=_undetermined(parted, parted.generic()),
+        driveable=mechanism.driveable(generic),
+        redundant=[_equation(mechanism, row, here) for row in mechanism.redundant],
+        undetermined=_undetermined(mechanism, generic),
     )
 
 
-def _with_all_joints(scene, formulation):
+def _with_all_joints(scene):
     """The scene with fixed joints that are not welds, for then they have equations and reactions.
 
     Bodies that only welds made solid (lines, points, mere frames) then need inertia of their own; ranks do
@@ -101,7 +101,7 @@ def _with_all_joints(scene, formulation):
 
         kept[name] = joint.model_copy(update=changed)
 
-    solver = scene.solver.model_copy(update={"formulation": formulation})
+    solver = scene.solver.model_copy(update={"formulation": "recursive"})
     bodies = {name: _with_inertia(body) for name, body in scene.body.items()}
     return scene.model_copy(update={"body": bodies, "joint": kept, "solver": solver})
 
@@ -130,7 +130,7 @@ def _equation(mechanism, row, place) -> Equation:
         keeps = "prescribed motion" if mechanism.m.row_drive[row] >= 0 else "coupled motion"
         return Equation(owner, keeps)
 
-    force, moment = place.force[row], place.moment[row]
+    force, moment = place.loads.force[row], place.loads.moment[row]
 
     if mechanism.m.row_kind[row] in (rows.DOT, rows.TWIST):
         return Equation(owner, f"rotation {_along('about', moment[:, None])}")
@@ -142,28 +142,23 @@ def _equation(mechanism, row, place) -> Equation:
 
 def _undetermined(mechanism, place) -> list[Reaction]:
     """Reactions that a self-stress touches at a place."""
-    stress = place.self_stress
     found = []
 
-    if not stress.size:
-        return found
-
-    for owner in dict.fromkeys(mechanism.owner(row) for row in range(mechanism.m.n_row)):
-        mine = np.array([mechanism.owner(row) == owner for row in range(mechanism.m.n_row)])
-        effort = mine & mechanism.is_coupling()
-        wrench = mine & ~mechanism.is_coupling()
-        moment = place.moment[wrench].T @ stress[wrench] / mechanism.length
-        force = place.force[wrench].T @ stress[wrench]
-        size = np.linalg.norm(stress / place.scale[:, None], axis=0).max() / mechanism.length
+    for owner, stress in stresses(mechanism, place).items():
         parts = []
 
-        for what, how, vectors in (("force", "along", force), ("moment", "about", moment)):
-            if np.linalg.norm(vectors) > 10 * ZERO * size:
+        for what, how, vectors in (
+            ("force", "along", stress.force),
+            ("moment", "about", stress.moment / mechanism.length),
+        ):
+            if np.linalg.norm(vectors) * mechanism.length > 10 * ZERO:
                 parts.append(f"{what} {_along(how, vectors)}".strip())
 
-        if np.linalg.norm(stress[effort] / place.scale[effort, None]) > 10 * ZERO:
-            driven = np.any(mechanism.m.row_drive[effort] >= 0)
-            parts.append("driving effort" if driven else "coupling effort")
+        if np.linalg.norm(stress.coupling) > 10 * ZERO:
+            parts.append("coupling effort")
+
+        if np.linalg.norm(stress.driving) > 10 * ZERO:
+            parts.append("driving effort")
 
         if parts:
             found.append(Reaction(owner, ", ".join(parts)))
@@ -175,7 +170,7 @@ def _along(how, vectors):
     """The directions that vectors (3, k) span, in words: "along z", "about x and y", "normal to
     ..."; all: "".
     """
-    U, s, _ = np.linalg.svd(vectors)
+    U, s, _ = np.linalg.svd(vectors, full_matrices=False)
     rank = int(np.sum(s > 1e-4 * s[0]))
 
     if rank == 3:
@@ -187,7 +182,7 @@ def _along(how, vectors):
     if len(named) == rank:
         return f"{how} {' and '.join(named)}"
 
-    direction = U[:, 0] if rank == 1 else U[:, 2]
-    direction = direction * np.sign(direction[np.argmax(np.abs(direction))])
+    direction = U[:, 0] if rank == 1 else np.cross(U[:, 0], U[:, 1])
+    direction = direction * np.sign(direction[np.argmax(np.round(np.abs(direction), 6))])
     text = "({:.3g}, {:.3g}, {:.3g})".format(*np.where(np.abs(direction) < 1e-6, 0.0, direction))
     return f"{how} {text}" if rank == 1 else f"normal to {text}"
