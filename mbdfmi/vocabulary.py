@@ -108,6 +108,13 @@ REACTIONS = table(
 PARAMETERS = table(Quantity("s", words="parameter"), Quantity("s_rate", words="rate of the parameter"))
 """Of a curve or a surface, whose units those of its parameters are."""
 
+END_FRAME_AXES = table(
+    Quantity("tangent", None, 3, "unit tangent"),
+    Quantity("binormal", None, 3, "unit binormal"),
+    Quantity("normal", None, 3, "unit normal"),
+)
+"""Axes i, j, k of an end frame on a curve or surface."""
+
 # outputs of bodies, markers, measures, the ground
 
 MARKER_OUTPUTS = table(

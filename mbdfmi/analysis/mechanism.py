@@ -193,7 +193,7 @@ class Mechanism:
             d.v[v] = 0.0
 
         loads = self._loads()
-        turning = np.linalg.norm(loads.force, axis=1) == 0.0
+        turning = (np.linalg.norm(loads.force, axis=1) == 0.0) | (m.row_kind == rows.FRAME)
         scale = np.where(turning, 1.0, 1.0 / self.length)
         scale = np.where(self.is_coupling(), self._coupling_scale(C), scale)
         place = Place(

@@ -132,7 +132,7 @@ def _equation(mechanism, row, place) -> Equation:
 
     force, moment = place.loads.force[row], place.loads.moment[row]
 
-    if mechanism.m.row_kind[row] in (rows.DOT, rows.TWIST):
+    if mechanism.m.row_kind[row] in (rows.DOT, rows.TWIST, rows.FRAME):
         return Equation(owner, f"rotation {_along('about', moment[:, None])}")
 
     rolling = mechanism.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)

@@ -309,7 +309,7 @@ def _add_multipliers(builder):
 
     for row in range(builder.tables["n_row"].length):
         c, kind = int(columns["row_constraint"][row][0]), int(columns["row_kind"][row][0])
-        unit = {rows.DOT: "N.m", rows.TWIST: "N.m", rows.COUPLING: None}.get(kind, "N")
+        unit = {rows.DOT: "N.m", rows.TWIST: "N.m", rows.FRAME: "N.m", rows.COUPLING: None}.get(kind, "N")
         about = f"{SCENE_OUTPUTS['multipliers'].text} of {builder.constraint_names[c]}"
         source = Source(outputs.MULTIPLIER, row)
         builder.add_outputs(f"multipliers[{row + 1}]", source, unit, about, builder.constraint_nodes[c])

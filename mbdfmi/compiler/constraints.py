@@ -97,7 +97,10 @@ def _joint_constraint(builder, name):
         name=name,
         markers=(markers[0], markers[1]),
         nodes=builder.nodes_of(name),
-        rows=[(row, i, end_frame if row == rows.CONTACT else j) for row, i, j in kind.rows],
+        rows=[
+            (row, i, end_frame if row in (rows.CONTACT, rows.FRAME) else j)
+            for row, i, j in (*kind.rows, *kind.rows_too(joint))
+        ],
         value=value,
         at_start=at_start,
     )
@@ -228,7 +231,7 @@ def _add_path(builder, path, n_v):
 def _add_rows(builder, c, constraint):
     """The rows of constraint c."""
     # how many products of axes there are tells which axes they keep parallel
-    parallel = max(0, sum(kind == rows.DOT for kind, _, _ in constraint.rows) - 1)
+    parallel = max(0, sum(kind in (rows.DOT, rows.FRAME) for kind, _, _ in constraint.rows) - 1)
 
     first_term = builder.tables["n_term"].length
 
@@ -247,5 +250,5 @@ def _add_rows(builder, c, constraint):
             row_offset=constraint.offset,
             row_drive=constraint.drive,
             row_at_start=constraint.at_start,
-            row_parallel=parallel if kind == rows.DOT else 0,
+            row_parallel=parallel if kind in (rows.DOT, rows.FRAME) else 0,
         )

@@ -1,7 +1,5 @@
 """Curves and surfaces of markers, and the joints whose end frames are on them."""
 
-import math
-
 import numpy as np
 import scipy  # which imports its parts when they are asked for
 
@@ -9,14 +7,10 @@ from ..kernels import notes, outputs
 from ..kernels.end_frames import curves, surfaces, touching
 from ..kernels.math import tables
 from ..scene import Problem, SceneError
-from ..vectors import dot
-from ..vocabulary import PARAMETERS
+from ..vocabulary import END_FRAME_AXES, PARAMETERS
 from .builder import Place, Source, Told
+from .sides import default_side, side_of, spline_of
 from .variables import dotted
-
-# samples of a curve's tangent, and directions that may be the one it is never parallel to
-TANGENTS = 400
-SIDES = 200
 
 
 def add_end_frames(builder):
@@ -32,6 +26,11 @@ def _add_end_frame(builder, name, joint):
     """Index of the end frame of a joint: its place on one shape, or where two touch."""
     _check_lines(builder, name, joint)
     shapes = [_shape(builder, end, what) for end, what in zip(joint.between, joint.shapes)]
+
+    if joint.kind == "frame_on_curve":
+        curve = builder.scene.marker(joint.between[0]).curve
+        builder.tables["n_curve"].columns["curve_side"][shapes[0]][:] = side_of(name, joint, curve)
+
     first = len(builder.single["s_start"])
     units = parameter_units(builder, joint)
     given = joint.start_s is not None
@@ -89,9 +88,7 @@ def _add_curve(builder, curve):
 
     if kind == curves.SPLINE:
         points, s = curve.points, curve.s
-        spline = scipy.interpolate.CubicSpline(
-            s, points, bc_type="periodic" if curve.closed else "not-a-knot"
-        )
+        spline = spline_of(curve)
         row["curve_table"] = builder.tables["n_table"].length
         row["curve_size"] = np.linalg.norm(points, axis=1).max()
 
@@ -101,8 +98,7 @@ def _add_curve(builder, curve):
         if curve.closed:
             row["curve_value"] = s[-1] - s[0]
 
-        if not curve.is_planar:
-            row["curve_side"] = _side(spline.derivative()(np.linspace(s[0], s[-1], TANGENTS)))
+        row["curve_side"] = default_side(curve)
 
     elif kind == curves.CIRCLE:
         row |= {"curve_value": curve.radius, "curve_size": curve.radius}
@@ -112,18 +108,6 @@ def _add_curve(builder, curve):
         row["curve_value"] = curve.coefficient
 
     return builder.tables["n_curve"].add(**row)
-
-
-def _side(tangents):
-    """The unit vector (3,) of many that keeps the largest angle to tangents (n, 3)."""
-    tangents = tangents / np.linalg.norm(tangents, axis=1)[:, None]
-
-    # directions evenly spread over the upper half of a sphere, by the golden angle
-    z = (np.arange(SIDES) + 0.5) / SIDES
-    turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(SIDES)
-    flat = np.sqrt(1.0 - z**2)
-    sides = np.column_stack([flat * [math.cos(a) for a in turn], flat * [math.sin(a) for a in turn], z])
-    return sides[np.abs(dot(sides, tangents.T)).max(axis=1).argmin()]
 
 
 def _add_surface(builder, surface):
@@ -199,6 +183,13 @@ def add_parameter_outputs(builder, name, joint, output):
         builder.add_outputs(
             dotted(name, output) + ending, Source(kind, builder.end_frames[name], k), unit, about, nodes
         )
+
+
+def add_axis_output(builder, name, output):
+    """An axis of an end frame."""
+    about = f"{END_FRAME_AXES[output].text} of {name}, in its first marker's axes"
+    source = Source(outputs.END_FRAME_AXIS, builder.end_frames[name], list(END_FRAME_AXES).index(output))
+    builder.add_outputs(dotted(name, output), source, None, about, builder.nodes_of(name))
 
 
 def parameter_units(builder, joint):

@@ -54,6 +54,7 @@ class JointKind:
     led : joint -> {coordinate: (the one that it follows, its ratio to that)}, in SI.
     rows : (kind, axis of the first marker, axis of the second) of each equation when it closes a loop; what is about positions
         comes first: where rows repeat each other, those about velocities alone go.
+    rows_too : joint -> those beside them that depend on how it is written.
     turns : joint -> rotation matrices (3, 3) that bring the axes of its two markers to those that the rows are about.
     value : joint -> what the rows keep, m or a cosine; None: the distance of its ends at the start.
     frame : joint, k -> (turn (3, 3) of the markers' axes, (which marker is seen from, which is seen)) by which coordinate k is read
@@ -64,6 +65,7 @@ class JointKind:
     axes: Callable = _along_axis
     led: Callable = lambda joint: {}
     rows: tuple[tuple[int, int, int], ...] = ()
+    rows_too: Callable = lambda joint: ()
     turns: Callable = _turned_to_axis
     value: Callable = lambda joint: 0.0
     frame: Callable = _between_markers
@@ -153,6 +155,22 @@ JOINT_KINDS = {
     "point_on_curve": JointKind(rows=((rows.CONTACT, 0, 0), (rows.CONTACT, 1, 0)), turns=_as_they_are),
     "curve_on_curve": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
     "point_on_surface": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
+}
+
+
+def _axes_held(joint):
+    """Rows that keep axes to those of an end frame: two where a spin is free."""
+    return [(rows.FRAME, k, 0) for k in range(2 if joint.spin_is_free else 3)]
+
+
+JOINT_KINDS |= {
+    "frame_on_curve": JointKind(
+        rows=((rows.CONTACT, 0, 0), (rows.CONTACT, 1, 0)),
+        rows_too=_axes_held,
+        # x, about which it may spin, as z
+        turns=lambda joint: [np.eye(3), np.eye(3)[:, [1, 2, 0]]],
+    ),
+    "frame_on_surface": JointKind(rows=((rows.CONTACT, 0, 0),), rows_too=_axes_held, turns=_as_they_are),
 }
 
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from ..kernels import outputs
 from ..scene.starts import ENDINGS
-from ..vocabulary import EFFORT_OUTPUTS, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
+from ..vocabulary import EFFORT_OUTPUTS, END_FRAME_AXES, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
 from .bodies import MARKER_KINDS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
-from .end_frames import add_parameter_outputs
+from .end_frames import add_axis_output, add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
 from .variables import dotted
@@ -176,6 +176,8 @@ def _add_outputs(builder, name, joint, parts, fed_by):
     for output in joint.output:
         if output in PARAMETERS:
             add_parameter_outputs(builder, name, joint, output)
+        elif output in END_FRAME_AXES:
+            add_axis_output(builder, name, output)
         elif output in REACTIONS:
             _add_reaction(builder, name, REACTIONS[output])
         elif EFFORT_OUTPUTS.get(output) in EFFORT_KINDS:

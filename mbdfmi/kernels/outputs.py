@@ -7,7 +7,7 @@ import math
 
 from . import forces
 from .dynamics import inertia, reactions
-from .end_frames import touching
+from .end_frames import frames, touching
 from .forces import (
     central_gravity,
     friction,
@@ -68,6 +68,8 @@ CENTER_OF_MASS = 32
 # of contact a: parameter b + 1
 CONTACT_S = 33
 CONTACT_RATE = 34
+# of end frame a: its axis b (0 to 2: i, j, k), in the axes of its marker
+END_FRAME_AXIS = 70
 # of the stepper, since the start
 STEPS = 36
 REJECTED_STEPS = 37
@@ -113,7 +115,7 @@ DISSIPATED_POWER = 63
 VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
 VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
 VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
-VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT}
+VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT, END_FRAME_AXIS}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
 
 # what they need beside kinematics: bits of `output_needs`
@@ -390,6 +392,10 @@ def write_outputs(m, d, y):
         elif kind == CONTACT_RATE:
             rate1, rate2 = touching.rates(m, d, a)
             y[at] = rate1 if b == 0 else rate2
+
+        elif kind == END_FRAME_AXIS:
+            tangent, binormal, normal = frames.axes_of(m, d, a)
+            al.set_vec_at(y, at, tangent if b == 0 else (binormal if b == 1 else normal))
 
         elif kind == DRIVE_EFFORT:
             y[at] = reactions.drive_effort(m, d, a)

@@ -15,7 +15,7 @@ from .constraints import (
     RollingSphere,
 )
 from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
-from .end_frames import CurveOnCurve, PointOnCurve, PointOnSurface
+from .end_frames import CurveOnCurve, FrameOnCurve, FrameOnSurface, PointOnCurve, PointOnSurface
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
@@ -48,6 +48,8 @@ __all__ = [
     "Distance",
     "Fixed",
     "Force",
+    "FrameOnCurve",
+    "FrameOnSurface",
     "Free",
     "Gear",
     "Ground",

@@ -1,11 +1,14 @@
-"""Joints that keep end frames on curves and surfaces of markers."""
+"""Joints that keep end frames on curves and surfaces of markers.
+
+An end frame has the axes i = tangent, j = binormal, k = normal, j = k x i, which outputs tell in the first marker's axes.
+"""
 
 from typing import ClassVar
 
 import numpy as np
 
-from ..vocabulary import PARAMETERS, REACTIONS
-from .fields import Array, Empty, Number, Part, SomeOf
+from ..vocabulary import END_FRAME_AXES, PARAMETERS, REACTIONS
+from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, unit_vector
 from .joint_base import Constraint
 
 
@@ -25,6 +28,8 @@ class EndFrame(Constraint):
     """A joint with parameters s of a curve or surface.
 
     shapes : what the first and the second marker must have, "curve", "surface" or None.
+    output : the parameter and its rate, unit vectors along the end frame's axes in the first marker's axes (tangent, binormal =
+        normal x tangent, normal; of two curves those of the first), reactions.
     """
 
     shapes: ClassVar[tuple]
@@ -43,7 +48,7 @@ class PointOnCurve(EndFrame):
 
     point_on_curve: Empty
     start: CurveStart = CurveStart()
-    output: SomeOf(*PARAMETERS, *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
 class CurveOnCurve(EndFrame):
@@ -54,7 +59,7 @@ class CurveOnCurve(EndFrame):
 
     curve_on_curve: Empty
     start: PairStart = PairStart()
-    output: SomeOf(*PARAMETERS, *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
 class PointOnSurface(EndFrame):
@@ -65,7 +70,66 @@ class PointOnSurface(EndFrame):
 
     point_on_surface: Empty
     start: PairStart = PairStart()
-    output: SomeOf(*PARAMETERS, *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
-END_FRAMES = (PointOnCurve, CurveOnCurve, PointOnSurface)
+class FrameOptions(Part):
+    """spin : whether the second marker may spin about its tangent or normal: "held" or "free"."""
+
+    spin: OneOf("held", "free") = "held"
+
+
+class FrameOnCurveOptions(FrameOptions):
+    """side : a direction of the first marker that the curve is never parallel to; y of the second marker stays as near to it as can
+    be. None: z of a planar curve, of others the direction that keeps farthest from the curve's.
+    """
+
+    side: Axis | None = None
+
+
+class Framed(EndFrame):
+    """A joint that holds axes, too, to those of the end frame."""
+
+    @property
+    def spin_is_free(self):
+        """Whether a spin about the axis along the curve, or normal to the surface, is left free."""
+        return self.options.spin == "free"
+
+
+class FrameOnCurve(Framed):
+    """The second marker moves along the first one's curve as its moving frame does, like a car on a track.
+
+    Its origin stays on the curve, its x along the tangent, its y as near to the direction `side` as it can be: up, for a road; across
+    the track, for a loop. z is normal to both; of a planar curve with the side z it is the normal that points out of a bend to the
+    left. Where an open spline ends, it goes on straight, and the frame stops turning at once.
+    """
+
+    kind: ClassVar[str] = "frame_on_curve"
+    shapes: ClassVar[tuple] = ("curve", None)
+
+    frame_on_curve: FrameOnCurveOptions
+    start: CurveStart = CurveStart()
+    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
+
+    @property
+    def side(self):
+        """The unit vector (3,) that the curve is never parallel to, or None."""
+        return None if self.options.side is None else unit_vector(self.options.side)
+
+
+class FrameOnSurface(Framed):
+    """The second marker moves on the first one's surface as its frame does.
+
+    Its origin stays on the surface, its z along the normal r1 x r2 (derivatives by the parameters), and its x along r1, unless it may
+    spin about the normal. On a sphere x points east, which at the poles means nothing: there the spin must be free.
+    """
+
+    kind: ClassVar[str] = "frame_on_surface"
+    shapes: ClassVar[tuple] = ("surface", None)
+
+    frame_on_surface: FrameOptions
+    start: PairStart = PairStart()
+    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
+
+
+END_FRAMES = (PointOnCurve, CurveOnCurve, PointOnSurface, FrameOnCurve, FrameOnSurface)

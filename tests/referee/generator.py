@@ -27,7 +27,7 @@ LOOPS = {
     "translation": 1, "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1,
     "distance": 1.2, "rolling_sphere": 1, "rolling_disk": 1.8, "knife_edge": 1, "point_on_curve": 2,
     "constant_velocity": 1, "angle": 1,
-    "curve_on_curve": 2.3, "point_on_surface": 3.8,
+    "curve_on_curve": 2.3, "point_on_surface": 3.8, "frame_on_curve": 1.5, "frame_on_surface": 1.5,
 }  # fmt: skip
 # kinds of trees: what they are mostly of
 FAMILIES = {

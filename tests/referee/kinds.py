@@ -1,5 +1,7 @@
 """Small scenes of every kind of thing that the schema has, as dicts, for the independent route's tests."""
 
+import copy
+
 import numpy as np
 
 from .making.looks import WEDGE
@@ -373,6 +375,13 @@ def contacts():
                     "c": {f"point_on_{what}": {}, "between": ["ground.track", "a.end"]},
                 },
             )
+
+            spin = {"spin": "free"} if name in ("circle", "path", "torus", "plane") else {}
+            side = {"side": [0.1, 0.2, 1]} if what == "curve" and name in ("ring", "path", "table", "circle") else {}
+            found[f"frame on {what} {name}"] = copy.deepcopy(found[f"point on {what} {name}"])
+            found[f"frame on {what} {name}"]["joint"]["c"] = {
+                f"frame_on_{what}": spin | side, "between": ["ground.track", "a.end"],
+            }  # fmt: skip
 
     for name in ("circle", "ring", "parabola"):
         shape = (

@@ -28,9 +28,11 @@ JOINT = {
     "planar": ["position", "angle", "velocity", "angular_speed"],
     "translation": ["position", "velocity"],
     "free": ["position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"],
-    "point_on_curve": ["s", "s_rate"],
-    "curve_on_curve": ["s", "s_rate"],
-    "point_on_surface": ["s", "s_rate"],
+    "point_on_curve": ["s", "s_rate", "tangent"],
+    "curve_on_curve": ["s", "s_rate", "tangent", "binormal", "normal"],
+    "point_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
+    "frame_on_curve": ["s", "s_rate", "tangent", "binormal", "normal"],
+    "frame_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
 }
 SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}
 SIX = ["force", "moment", "displacement", "rotation", "power"]

@@ -215,7 +215,7 @@ def gap_of(m, d, c, taken):
         gap = d.row_taken[row] if taken else d.row_gap[row]
         u = al.vec3(d.row_force_to, row)
 
-        if al.dot(u, u) > 0.0:
+        if al.dot(u, u) > 0.0 and not rows.is_of_axes(m, row):
             span = al.axpy(gap, u, span)
         else:
             turned += gap * gap

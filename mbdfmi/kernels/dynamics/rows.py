@@ -12,7 +12,7 @@ import math
 
 from numba.types import void
 
-from ..end_frames import touching
+from ..end_frames import frames, touching
 from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import coordinates, drives, markers
@@ -27,6 +27,7 @@ ROLL_DISK = 5  # a thin disk of radius value about z of b rolls there: component
 COUPLING = 6  # sum of factor c over its terms + offset = target of a drive or 0, c joint coordinates
 CONTACT = 7  # row i of contact j
 TWIST = 8  # b's axes are a's turned about a direction normal to z: no twist
+FRAME = 9  # row i of those that keep b's axes to those of end frame j
 
 
 @inlined
@@ -34,6 +35,13 @@ def is_of_velocity(m, row):
     """Whether a row says nothing of positions."""
     kind = m.row_kind[row]
     return kind == KNIFE or ((kind == ROLL_SPHERE or kind == ROLL_DISK) and m.row_i[row] < 2)
+
+
+@inlined
+def is_of_axes(m, row):
+    """Whether a row is about axes alone: its gap is an angle."""
+    kind = m.row_kind[row]
+    return kind == DOT or kind == TWIST or kind == FRAME
 
 
 @inlined
@@ -251,6 +259,44 @@ def write_twist(d, row, A_a, A_b, w_a, w_b):
     set_residuals(d, row, gap, al.dot(w, n), al.dot(w, n_rate))
 
 
+@inlined
+def write_frame(m, d, c, row, A_b, w_b, p):
+    """All rows that keep the axes of constraint c's second marker to those of an end frame, from row on (docs/theory.md 10.5).
+
+    Products of axes as in DOT. The end frame turns as its point moves along the curve or surface, so that beside their moments
+    there is a force along that on the point. p: its lever on the second body.
+    """
+    k = m.row_j[row]
+    free = m.row_parallel[row] == 1
+    e = frames.moving(m, d, k, free)
+    E = e.E
+
+    # the axis about which a spin may be free comes last
+    if m.end_frame_kind[k] == touching.ON_CURVE:
+        E = ((E[0][1], E[0][2], E[0][0]), (E[1][1], E[1][2], E[1][0]), (E[2][1], E[2][2], E[2][0]))
+
+    body_a = m.marker_body[m.constraint_from[c]]
+    P = al.sub(e.r, al.vec3(d.r, body_a))
+    w = al.sub(w_b, e.w)
+    turn = turn_left(m.row_parallel[row], E, A_b) if d.assembling[0] > 0.0 else al.ZERO3
+
+    for at in range(row, m.constraint_row[c] + m.constraint_rows[c]):
+        # all axes parallel: x y, y z, z x; two z alone: x z, y z
+        i = at - row
+        j = 2 if free else (i + 1) % 3
+        e_a = axis_of(E, i)
+        e_b = axis_of(A_b, j)
+        n = al.cross(e_b, e_a)
+        n_rate = al.add(al.cross(al.cross(w_b, e_b), e_a), al.cross(e_b, al.cross(e.w, e_a)))
+        force = al.neg(frames.push(m, d, k, free, n))
+        moment = al.add(n, al.cross(p, force))
+        set_row(d, at, al.neg(al.add(n, al.cross(P, force))), al.neg(force), moment, force)
+        set_residuals(d, at, al.dot(e_a, e_b), al.dot(w, n), al.dot(w, n_rate) - al.dot(n, e.alpha))
+
+        if al.dot(turn, turn) > 0.0:
+            aim_parallel(d, at, turn, e_a, axis_of(E, j))
+
+
 @apart(void(MODEL, DATA))
 def write_rows(m, d):
     """All rows' wrenches and residuals; needs kinematics."""
@@ -322,6 +368,10 @@ def write_rows(m, d):
 
             elif kind == COUPLING:
                 write_coupling(m, d, row)
+
+            elif kind == FRAME:
+                if i == 0:
+                    write_frame(m, d, c, row, A_b, w_b, p)
 
             elif kind == CONTACT:
                 u, r_c, gap, rate, bias = touching.row(m, d, j, i)

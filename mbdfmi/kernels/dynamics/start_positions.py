@@ -47,6 +47,9 @@ DAMPING = 0.1
 # exact closing that goes no further than this from where such gaps are left is a matter of singular positions
 NEAR = 1e-2
 
+# a parameter of an end frame is not as given where it is off by more than this (and this part of it)
+PARAMETER_MISSED = 1e-6
+
 # tries to keep given coordinates one by one; what must be put back after each: rounding
 MAX_TRIES = 32
 PUT_BACK = 10
@@ -199,13 +202,28 @@ def unwind(m, d):
             d.q[q] = coordinates.unwrapped(d.q[q], d.x_before[q])
 
 
+@inlined
+def parameters_missed(m, d):
+    """How many end frames are not at the parameters that were given."""
+    missed = 0
+
+    for k in range(m.n_end_frame):
+        z = m.end_frame_z[k]
+        missed += m.end_frame_given[k] * int(
+            abs(d.z[z] - m.s_start[z]) > PARAMETER_MISSED * (1.0 + abs(d.z[z]))
+        )
+
+    return missed
+
+
 @apart(int64(MODEL, DATA))
 def close_nearest(m, d):
     """The nearest assembly to the start values with what d.kept says, of those that several ways lead to. Returns a status.
 
-    The first way is the last when it ends near.
+    The first way is the last when it ends near. None that misses given parameters of end frames takes the place of one that keeps them.
     """
     result = attempt(m, d, STRIDE, 0.0, given.START)
+    missed = parameters_missed(m, d)
     way = travel(m, d, given.START) if result == OK else math.inf
 
     if way < FAR:
@@ -223,8 +241,13 @@ def close_nearest(m, d):
         if turn == 1 and weighs != holding.ALL:
             holding.weigh_all(m, d, POSITION)
 
-        if attempt(m, d, SHORT_STRIDE, nudge, given.START) == OK and travel(m, d, given.START) < NEARER * way:
+        if (
+            attempt(m, d, SHORT_STRIDE, nudge, given.START) == OK
+            and travel(m, d, given.START) < NEARER * way
+            and (result != OK or parameters_missed(m, d) <= missed)
+        ):
             way = travel(m, d, given.START)
+            missed = parameters_missed(m, d)
             loose = d.loose[0]
             given.store(m, d, given.FOUND)
             result = OK

@@ -37,14 +37,17 @@ KINDS = {
 
 
 @inlined
+def within(m, k, s):
+    """s of a spline, of a closed one on its first turn."""
+    period = m.curve_value[k]
+    return s - period * np.floor((s - tables.first(m, m.curve_table[k])) / period) if period > 0.0 else s
+
+
+@inlined
 def spline(m, k, s):
     """(r, r', r'') of a spline: a table for each component."""
     table = m.curve_table[k]
-    period = m.curve_value[k]
-
-    if period > 0.0:
-        s -= period * np.floor((s - tables.first(m, table)) / period)
-
+    s = within(m, k, s)
     x = tables.evaluate(m, table, s)
     y = tables.evaluate(m, table + 1, s)
     z = tables.evaluate(m, table + 2, s)
@@ -74,6 +77,26 @@ def point(m, k, s):
         return (R * (s + y), R * (1.0 - c), 0.0), (R * (1.0 + c), R * y, 0.0), (-R * y, R * c, 0.0)
 
     return spline(m, k, s)
+
+
+@kernel
+def third(m, k, s):
+    """r''' of curve k at s."""
+    kind = m.curve_kind[k]
+    R = m.curve_value[k]
+
+    if kind == CIRCLE:
+        return math.sin(s / R) / (R * R), -math.cos(s / R) / (R * R), 0.0
+
+    if kind == CYCLOID:
+        return -R * math.cos(s), -R * math.sin(s), 0.0
+
+    if kind == SPLINE:
+        table = m.curve_table[k]
+        s = within(m, k, s)
+        return tables.third(m, table, s), tables.third(m, table + 1, s), tables.third(m, table + 2, s)
+
+    return al.ZERO3
 
 
 @inlined

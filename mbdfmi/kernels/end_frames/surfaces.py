@@ -68,16 +68,24 @@ def bicubic(c, at, x, y):
 
 
 @inlined
-def patched(m, k, s1, s2):
-    """`point` of a table: its two tables hold the parameters at the edges of the patches."""
+def patch(m, k, s1, s2):
+    """(where its coefficients begin, s1 and s2 from its corner) of the patch of a table at (s1, s2).
+
+    The surface's two tables hold the parameters at the edges of the patches.
+    """
     table1 = m.surface_table[2 * k]
     table2 = m.surface_table[2 * k + 1]
     i = tables.interval(m, table1, s1)
     j = tables.interval(m, table2, s2)
     across = m.table_knots[table2] - 1
     at = 48 * (m.surface_patch[k] + (i - m.table_knot[table1]) * across + j - m.table_knot[table2])
-    u = s1 - m.knot_x[i]
-    v = s2 - m.knot_x[j]
+    return at, s1 - m.knot_x[i], s2 - m.knot_x[j]
+
+
+@inlined
+def patched(m, k, s1, s2):
+    """`point` of a table."""
+    at, u, v = patch(m, k, s1, s2)
     x = bicubic(m.patch_c, at, u, v)
     y = bicubic(m.patch_c, at + 16, u, v)
     z = bicubic(m.patch_c, at + 32, u, v)
@@ -136,6 +144,70 @@ def point(m, k, s1, s2):
         al.scale(-(R + c), x),
         al.scale(-s, y),
         al.neg(out),
+    )
+
+
+@kernel
+def bicubic_bends(c, at, x, y, u, v):
+    """Second derivatives, along (u, v), of d/dx and d/dy of a bicubic polynomial as in `bicubic`."""
+    bend_x = bend_y = 0.0
+
+    for power in range(3, -1, -1):
+        f, f_y, f_yy = cubic(c, at + 4 * power, y)
+        f_yyy = 6.0 * c[at + 4 * power + 3]
+        x0 = x**power
+        x1 = power * x ** max(0, power - 1)
+        x2 = power * (power - 1) * x ** max(0, power - 2)
+        x3 = power * (power - 1) * (power - 2)
+        bend_x += u * u * x3 * f + 2.0 * u * v * x2 * f_y + v * v * x1 * f_yy
+        bend_y += u * u * x2 * f_y + 2.0 * u * v * x1 * f_yy + v * v * x0 * f_yyy
+
+    return bend_x, bend_y
+
+
+@inlined
+def patched_bends(m, k, s1, s2, u, v):
+    """`second_changes` of a table."""
+    at, x, y = patch(m, k, s1, s2)
+    one = bicubic_bends(m.patch_c, at, x, y, u, v)
+    two = bicubic_bends(m.patch_c, at + 16, x, y, u, v)
+    three = bicubic_bends(m.patch_c, at + 32, x, y, u, v)
+    return (one[0], two[0], three[0]), (one[1], two[1], three[1])
+
+
+@kernel
+def second_changes(m, k, s1, s2, u1, u2):
+    """Second derivatives of r_1 and of r_2 of surface k at (s1, s2) along a way of parameters at the steady rates (u1, u2)."""
+    kind = m.surface_kind[k]
+    zero = al.ZERO3
+
+    if kind == PLANE:
+        return zero, zero
+
+    if kind == PRISM:
+        return al.scale(u1 * u1, curves.third(m, m.surface_curve[k], s1)), zero
+
+    if kind == TABLE:
+        return patched_bends(m, k, s1, s2, u1, u2)
+
+    x = (math.cos(s1), math.sin(s1), 0.0)
+    y = (-x[1], x[0], 0.0)
+    R = m.surface_value[2 * k]
+
+    if kind == CYLINDER:
+        return al.scale(-R * u1 * u1, y), zero
+
+    # a tube of radius R about a circle of none, or of its own radius about one of R
+    tube = R if kind == SPHERE else m.surface_value[2 * k + 1]
+    c = tube * math.cos(s2)
+    s = tube * math.sin(s2)
+    r_111 = al.scale(-(c if kind == SPHERE else R + c), y)
+    r_112 = al.scale(s, x)
+    r_122 = al.scale(-c, y)
+    r_222 = al.axpy(-c, Z, al.scale(s, x))
+    return (
+        al.axpy(u1 * u1, r_111, al.axpy(2.0 * u1 * u2, r_112, al.scale(u2 * u2, r_122))),
+        al.axpy(u1 * u1, r_112, al.axpy(2.0 * u1 * u2, r_122, al.scale(u2 * u2, r_222))),
     )
 
 

@@ -33,7 +33,13 @@ ON_CURVE = 0
 CURVES = 1
 ON_SURFACE = 2
 
-KINDS = {"point_on_curve": ON_CURVE, "curve_on_curve": CURVES, "point_on_surface": ON_SURFACE}
+KINDS = {
+    "point_on_curve": ON_CURVE,
+    "curve_on_curve": CURVES,
+    "point_on_surface": ON_SURFACE,
+    "frame_on_curve": ON_CURVE,
+    "frame_on_surface": ON_SURFACE,
+}
 
 MAX_ITERATIONS = 30
 

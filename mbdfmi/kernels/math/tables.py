@@ -76,6 +76,17 @@ def evaluate(m, k, x):
 
 
 @inlined
+def third(m, k, x):
+    """Third slope of table k at x."""
+    if clamped(m, k, x) != x:
+        return 0.0
+
+    i = interval(m, k, x)
+    s = x - m.knot_x[i]
+    return 6.0 * m.knot_c[6 * i + 3] + s * (24.0 * m.knot_c[6 * i + 4] + 60.0 * s * m.knot_c[6 * i + 5])
+
+
+@inlined
 def integral(m, k, x):
     """Integral of table k from its first knot to x."""
     inside = clamped(m, k, x)

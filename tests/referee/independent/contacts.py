@@ -6,9 +6,49 @@ from scipy.optimize import least_squares
 
 from .curves import Curve, Surface
 from .joints import touching
+from .reading import axis
+from .taylor import vee
 
-# parameters s of a joint of end frames
-COUNT = {"point_on_curve": 1, "curve_on_curve": 2, "point_on_surface": 2}
+# parameters s of a joint of end frames; those that leave a spin free have a word more
+COUNT = {
+    "point_on_curve": 1, "curve_on_curve": 2, "point_on_surface": 2, "frame_on_curve": 1, "frame_on_curve free": 1,
+    "frame_on_surface": 2, "frame_on_surface free": 2,
+}  # fmt: skip
+
+
+def along(u, n):
+    """Axes (3, 3) with x along u and z along n, which are normal to each other."""
+    i, k = u / ca.norm_2(u), n / ca.norm_2(n)
+    return ca.horzcat(i, ca.cross(k, i), k)
+
+
+def held(kind, E, R):
+    """What is 0 where axes R are those of the end frame, E, but for a free spin about x or z."""
+    seen = E.T @ R
+
+    if not kind.endswith("free"):
+        return vee(seen)
+
+    return ca.vertcat(seen[1, 0], seen[2, 0]) if "curve" in kind else ca.vertcat(seen[0, 2], seen[1, 2])
+
+
+def framed(kind, pair, step, rate):
+    """`equations` of a joint that holds a frame to that of its curve or surface, too."""
+    if "curve" in kind:
+        D, side, u = ca.SX.sym("curve", 3, 4), ca.SX.sym("side", 3), step[0]
+        point = D[:, 0] + u * D[:, 1] + u**2 / 2 * D[:, 2] + u**3 / 6 * D[:, 3]
+        tangent = D[:, 1] + u * D[:, 2] + u**2 / 2 * D[:, 3]
+        E = along(tangent, ca.cross(tangent, side))
+        symbols = [rate, ca.vec(D), side]
+    else:
+        D, u, v = ca.SX.sym("surface", 3, 10), step[0], step[1]
+        point = D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
+        first = D[:, 1] + u * D[:, 3] + v * D[:, 4] + u**2 / 2 * D[:, 6] + u * v * D[:, 7] + v**2 / 2 * D[:, 8]
+        second = D[:, 2] + u * D[:, 4] + v * D[:, 5] + u**2 / 2 * D[:, 7] + u * v * D[:, 8] + v**2 / 2 * D[:, 9]
+        E = along(first, ca.cross(first, second))
+        symbols = [rate, ca.vec(D)]
+
+    return ca.vertcat(pair.d - point, held(kind, E, pair.R)), ca.vertcat(*symbols)
 
 
 def equations(kind, pair, acceleration, tau):
@@ -17,6 +57,9 @@ def equations(kind, pair, acceleration, tau):
     rate = ca.SX.sym("s_rate", COUNT[kind])
     step = rate * tau + acceleration * tau**2 / 2
     symbols, points = [rate], []
+
+    if kind.startswith("frame"):
+        return framed(kind, pair, step, rate)
 
     if kind == "point_on_surface":
         D = ca.SX.sym("surface", 3, 6)
@@ -40,7 +83,9 @@ class Contact:
 
     def __init__(self, joint, tables):
         self.joint = joint
-        self.on_surface = joint.kind == "point_on_surface"
+        self.on_surface = "surface" in joint.kind
+        self.framed = joint.kind.startswith("frame")
+        self.side = axis(joint.options.get("side") or "z")
         shape = Surface if self.on_surface else Curve
         which = tables if joint.kind == "curve_on_curve" else tables[:1]
         self.shapes = [shape(table["surface" if self.on_surface else "curve"]) for table in which]
@@ -49,11 +94,22 @@ class Contact:
     def numbers(self, s, rate):
         """What these symbols are."""
         if self.on_surface:
-            return np.concatenate([rate, self.shapes[0].derivatives(*s).ravel()])
+            D = [self.shapes[0].derivatives(*s), *([self.shapes[0].thirds(*s)] if self.framed else [])]
+            return np.concatenate([rate, np.ravel(np.vstack(D))])
+
+        if self.framed:
+            return np.concatenate([rate, self.shapes[0].derivatives(*s).ravel(), self.side])
 
         return np.concatenate(
             [rate, *(shape.derivatives(s[k]).ravel() for k, shape in enumerate(self.shapes))]
         )
+
+    def axes(self, s):
+        """(3, 3) by row: tangent, binormal, normal at s."""
+        D = self.shapes[0].derivatives(*s[: 2 if self.on_surface else 1])
+        k = np.cross(D[1], D[2] if self.on_surface else self.side)
+        i, k = D[1] / np.linalg.norm(D[1]), k / np.linalg.norm(k)
+        return np.array([i, np.cross(k, i), k])
 
     # where they touch
 

@@ -112,6 +112,26 @@ class Surface:
             -radius[0] * out, radius[1] * side, radius[2] * out + height[2] * z,
         ])  # fmt: skip
 
+    def thirds(self, s1, s2):
+        """(4, 3): r_111, r_112, r_122, r_222 at (s1, s2)."""
+        found = np.zeros((4, 3))
+
+        if self.kind == "prism":
+            found[0] = self.profile.derivatives(s1)[3]
+        elif self.kind == "table":
+            D = self._derivatives_of_grid(s1, s2)
+            found = np.array([D[3, 0], D[2, 1], D[1, 2], D[0, 3]])
+        elif self.kind != "plane":
+            radius, height = self._profile(s2)
+            out, side = np.array([np.cos(s1), np.sin(s1), 0]), np.array([-np.sin(s1), np.cos(s1), 0])
+            found = np.array([-radius[0] * side, -radius[1] * out, radius[2] * side, 0 * out])
+
+            # a circle by its angle: its third derivative is the first one back
+            if self.kind != "cylinder":
+                found[3] = -radius[1] * out - height[1] * np.array([0, 0, 1.0])
+
+        return found
+
     def _profile(self, s2):
         """(radius, height) of what turns about z, each with two derivatives by s2."""
         R = self.options["radius"]
@@ -123,20 +143,25 @@ class Surface:
         c, s = t * np.cos(s2), t * np.sin(s2)
         return (middle + c, -s, -c), (s, c, -s)
 
-    def _of_grid(self, s1, s2):
-        """The spline of splines; beyond the edges straight on."""
+    def _derivatives_of_grid(self, s1, s2):
+        """Derivatives by (order of s1, order of s2) up to 3 of the spline of splines; beyond the edges straight on."""
         a, b = np.clip(s1, self.s1[0], self.s1[-1]), np.clip(s2, self.s2[0], self.s2[-1])
-        rows = [CubicSpline(self.s2, self.first(a, k)) for k in range(3)]
-        D = {(i, j): rows[i](b, j) for i in range(3) for j in range(3)}
+        rows = [CubicSpline(self.s2, self.first(a, k)) for k in range(4)]
+        D = {(i, j): rows[i](b, j) for i in range(4) for j in range(4)}
         u, v = s1 - a, s2 - b
 
         # straight on along s1, then along s2
         if u:
-            D = {(i, j): (D[0, j] + u * D[1, j], D[1, j], 0 * D[0, j])[i] for i, j in D}
+            D = {(i, j): (D[0, j] + u * D[1, j], D[1, j], 0 * D[0, j], 0 * D[0, j])[i] for i, j in D}
 
         if v:
-            D = {(i, j): (D[i, 0] + v * D[i, 1], D[i, 1], 0 * D[i, 0])[j] for i, j in D}
+            D = {(i, j): (D[i, 0] + v * D[i, 1], D[i, 1], 0 * D[i, 0], 0 * D[i, 0])[j] for i, j in D}
 
+        return D
+
+    def _of_grid(self, s1, s2):
+        """As `derivatives`."""
+        D = self._derivatives_of_grid(s1, s2)
         return np.array([D[0, 0], D[1, 0], D[0, 1], D[2, 0], D[1, 1], D[0, 2]])
 
     def samples(self, near, count=60):

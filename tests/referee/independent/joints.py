@@ -14,6 +14,7 @@ KINDS = (
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "translation",
     "screw", "free", "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk",
     "knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface",
+    "frame_on_curve", "frame_on_surface",
 )  # fmt: skip
 
 # joints of one freedom: their coordinate and its rate

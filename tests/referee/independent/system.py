@@ -3,7 +3,7 @@
 import numpy as np
 
 from . import joints, outputs
-from .contacts import Contact
+from .contacts import COUNT, Contact
 from .efforts import JointParts
 from .elements import element
 from .equations import STILL, of_kind
@@ -24,6 +24,8 @@ class Joint:
         self.name = name
         self.kind = kind_of(table, joints.KINDS)
         self.options = dict(table[self.kind])
+        # what leaves a spin free has other equations
+        self.kind += " free" if self.options.get("spin") == "free" else ""
         self.ends = table["between"]
         self.coordinates = joints.COORDINATES.get(self.kind, [])
         self.geometry = joints.geometry(self.kind, self.options)
@@ -102,8 +104,7 @@ class System:
         self.elements = {name: element(given, name, table) for name, table in data.get("force", {}).items()}
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
-            for name, joint in self.joints.items() if joint.kind in ("point_on_curve", "curve_on_curve",
-                                                                     "point_on_surface")
+            for name, joint in self.joints.items() if joint.kind in COUNT
         }  # fmt: skip
         self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing", "torsion")]
         self.n_s = sum(contact.count for contact in self.contacts.values())

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.linalg import null_space
 
+from ..independent import curves
 from . import shapes
 from .frames import (
     HERE,
@@ -28,6 +29,7 @@ TREE = {
 CONSTRAINTS = (
     "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge",
     "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface",
+    "frame_on_curve", "frame_on_surface",
 )  # fmt: skip
 CONTACTS = CONSTRAINTS[-3:]
 MOVING = [kind for kind in TREE if kind != "fixed"]
@@ -314,12 +316,72 @@ def _point_on_surface(dice, size):
     )
 
 
+def _along(u, n):
+    """Axes (3, 3) with x along u and z along n."""
+    i, k = unit(u), unit(n)
+    return np.column_stack([i, np.cross(k, i), k])
+
+
+def _framed(dice, kind, shape, r, E, turns, steps, spin, options):
+    """A joint that holds a frame to E at r; turns, steps : of the frame and of its origin by each parameter; spin : the axis of E
+    about which it may be free to turn.
+    """
+    ways = np.hstack([turns, steps])
+
+    if dice.chance(0.4):
+        options["spin"] = "free"
+        ways = np.vstack([ways, turning(E[:, spin])])
+        E = about(E[:, spin], dice.number(-3, 3)) @ E
+    elif dice.chance(0.3):
+        options["spin"] = "held"
+
+    rows = null_space(ways).T
+    key = kind.removeprefix("frame_on_")
+    return Drawn(kind, {kind: options}, {"s": shape.s}, (r, E), rows=rows, shapes=({key: shape.table}, {}))
+
+
+def _turn_of(E, change):
+    """The rate (3,) of a frame E whose columns change so."""
+    return 0.5 * np.cross(E.T, change.T).sum(axis=0)
+
+
+def _frame_on_curve(dice, size):
+    shape = shapes.curve(dice)
+    D = curves.Curve(shape.table).derivatives
+    points = next(iter(shape.table.values())).get("points")
+    flat = points is None or np.ptp([[*p, 0.0][2] for p in points]) < 1e-9
+    side = [dice.number(-0.3, 0.3), dice.number(-0.3, 0.3), 1.0] if not flat or dice.chance(0.4) else None
+    options = {} if side is None else {"side": side}
+
+    def frame(s):
+        t = D(s)[1]
+        return _along(t, np.cross(t, side or [0.0, 0.0, 1.0]))
+
+    E, h = frame(shape.s), 1e-5
+    change = (frame(shape.s + h) - frame(shape.s - h)) / (2 * h)
+    return _framed(dice, "frame_on_curve", shape, shape.r, E, [_turn_of(E, change)], [D(shape.s)[1]], 0, options)
+
+
+def _frame_on_surface(dice, size):
+    shape = shapes.surface(dice)
+    D = curves.Surface(shape.table).derivatives
+    s, h = np.array(shape.s), 1e-5
+
+    def frame(s):
+        d = D(*s)
+        return _along(d[1], np.cross(d[1], d[2]))
+
+    E = frame(s)
+    turns = [_turn_of(E, (frame(s + h * e) - frame(s - h * e)) / (2 * h)) for e in np.eye(2)]
+    return _framed(dice, "frame_on_surface", shape, shape.r, E, turns, D(*s)[1:3], 2, {})
+
+
 MAKERS = {
     "fixed": _fixed, "universal": _universal, "planar": _planar, "translation": _translation, "spherical":
     _spherical, "free": _free, "point_on_plane": _point_on_plane, "point_on_line": _point_on_line, "distance":
     _distance, "rolling_sphere": _rolling_sphere, "rolling_disk": _rolling_disk, "knife_edge": _knife_edge,
     "constant_velocity": _constant_velocity, "angle": _angle, "point_on_curve": _point_on_curve, "curve_on_curve": _curve_on_curve, "point_on_surface":
-    _point_on_surface,
+    _point_on_surface, "frame_on_curve": _frame_on_curve, "frame_on_surface": _frame_on_surface,
 }  # fmt: skip
 
 

@@ -13,9 +13,11 @@ JOINT = {
     "translation": ("position", "velocity"),
     "spherical": ("euler_parameters", "zyx", "zyx_rate", "omega", "alpha"),
     "free": ("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"),
-    "point_on_curve": ("s", "s_rate"),
-    "curve_on_curve": ("s", "s_rate"),
-    "point_on_surface": ("s", "s_rate"),
+    "point_on_curve": ("s", "s_rate", "tangent"),
+    "curve_on_curve": ("s", "s_rate", "tangent", "binormal", "normal"),
+    "point_on_surface": ("s", "s_rate", "tangent", "binormal", "normal"),
+    "frame_on_curve": ("s", "s_rate", "tangent", "binormal", "normal"),
+    "frame_on_surface": ("s", "s_rate", "tangent", "binormal", "normal"),
 }
 EFFORTS = {part: f"{part}_effort" for part in ("spring", "damper", "friction", "stop", "input")}
 SCENE = (
