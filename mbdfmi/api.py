@@ -59,11 +59,26 @@ class Scene(_scene.SceneData):
 
     def simulate(self, until, step=None, inputs=None, parameters=None, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
-        name.
+        name, that can be looked at: `results.view()`.
         """
         from .run.simulate import simulate
+        from .view.show import Run
 
-        return simulate(self.compile(), until, step, inputs, parameters, **options)
+        return Run.of(simulate(self.compile(), until, step, inputs, parameters, **options))
+
+    def show(self, path=None) -> Path:
+        """The scene as it is assembled, as a page (.html) or a GLB, or, without a path, in the browser; see
+        `mbdfmi.view.show.show`. Raises SimulationError where it cannot be assembled.
+        """
+        from .view.show import at_start, show
+
+        return show(at_start(self.compile()), path)
+
+    def _repr_html_(self):
+        """In a notebook: the scene as it is assembled."""
+        from .view.show import at_start
+
+        return at_start(self.compile())._repr_html_()
 
     def inverse(self, motion, times=None, **options):
         """The efforts that a motion of joints needs; see `mbdfmi.analysis.inverse.inverse`. Returns Results,

@@ -20,7 +20,7 @@ FLOORS = (
     ("scene", "kernels"),
     ("compiler",),
     ("run",),
-    ("analysis", "export"),
+    ("analysis", "export", "view"),
     ("cosim",),
     ("api",),
     ("__init__",),

@@ -12,6 +12,16 @@ def add_result_files(command, what):
     command.add_argument("--plot", metavar="FILE", help="write them as a picture: png, svg or pdf")
 
 
+def add_view(command, what):
+    """--view, which writes `what` in three dimensions."""
+    command.add_argument(
+        "--view",
+        metavar="FILE",
+        help=f"write {what} to look at: .html, a page that works offline in any browser, or .glb, for "
+        "Blender and others",
+    )
+
+
 def add_settings(command):
     """--set NAME=VALUE."""
     command.add_argument(

@@ -3,9 +3,9 @@
 import argparse
 
 from .. import __version__
-from .commands import bench, check, export, info, inverse, simulate
+from .commands import bench, check, export, info, inverse, simulate, view
 
-COMMANDS = (export, simulate, inverse, info, check, bench)
+COMMANDS = (export, simulate, view, inverse, info, check, bench)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -15,6 +15,7 @@ def parser() -> argparse.ArgumentParser:
         description="A multibody scene in, a native FMI 2.0 co-simulation FMU out.",
         epilog="""a first try:
   mbdfmi info models/pendulum.toml                       what is in it
+  mbdfmi view models/pendulum.toml                       what it looks like, in the browser
   mbdfmi simulate models/pendulum.toml --until 10        how it moves
   mbdfmi export models/pendulum.toml                     pendulum.fmu, for any FMI tool
 

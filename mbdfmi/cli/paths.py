@@ -76,3 +76,17 @@ def result_files(options, *inputs):
         Results.check_plot(plot)
 
     return csv, plot
+
+
+def view_file(text, *inputs):
+    """The file of a view, or None, looked at before work starts; inputs: files that it must not be, or
+    None.
+    """
+    from ..view.show import check_view
+
+    if not text:
+        return None
+
+    path = writable(text, [file for file in inputs if file])
+    check_view(path)
+    return path

@@ -5,12 +5,12 @@ from .tables import table_of
 from .terminal import err, note, out
 
 
-def show(results, csv, plot):
+def show(results, csv, plot, view=None):
     """Results to files, or a summary to the screen; what the solver had to say of them."""
     note(results.notices)
 
     # what was written where, unless it came out of the standard output itself
-    say = err if csv and to_standard_output(csv) else out
+    say = err if any(file and to_standard_output(file) for file in (csv, view)) else out
 
     if csv:
         say.print(str(results.to_csv(csv)), soft_wrap=True)
@@ -18,7 +18,10 @@ def show(results, csv, plot):
     if plot:
         say.print(str(results.plot(plot)), soft_wrap=True)
 
-    if not (csv or plot):
+    if view:
+        say.print(str(results.view(view)), soft_wrap=True)
+
+    if not (csv or plot or view):
         _print_summary(results)
 
 

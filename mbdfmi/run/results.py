@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..compiler.variables import array_of, hint, meant
 from ..files import check_ending, replacing
 from ..scene import variable_name
 from ..scene.errors import listed
 from ..units import UNITS
+from .states import States
 
 
 class Results(Mapping):
@@ -20,6 +22,7 @@ class Results(Mapping):
     units : unit of each column by name, None for those without.
     notices : what a user should be told: what is odd in the scene, what of its start could not be kept, and,
         with times, what happened in the run, as that the motion became stiff.
+    states : of the run, from which the poses of all bodies are found; None of a table from elsewhere.
     """
 
     def __init__(
@@ -28,11 +31,13 @@ class Results(Mapping):
         units: dict[str, str | None],
         title: str = "",
         notices: list[str] | None = None,
+        states: States | None = None,
     ):
         self._columns = columns
         self.units = units
         self.title = title
         self.notices = notices or []
+        self.states = states
 
     def __getitem__(self, name):
         """A column; an array variable's name without index gives all its components, [row, component].
@@ -40,18 +45,26 @@ class Results(Mapping):
         Names may be those of an FMU, or written with the scene's names as they are:
         results["Flügel 1.angle"].
         """
+        parts = self.known(name)
+        whole = parts in ([name], [variable_name(name)])
+        return self._columns[parts[0]] if whole else np.column_stack([self._columns[part] for part in parts])
+
+    def known(self, name) -> list[str]:
+        """Names of the columns that a name stands for: itself, or the components of an array. Raises
+        KeyError.
+        """
         if name in self._columns:
-            return self._columns[name]
+            return [name]
 
-        known = variable_name(name) if isinstance(name, str) else name
+        found = variable_name(name) if isinstance(name, str) else name
 
-        if known in self._columns:
-            return self._columns[known]
+        if found in self._columns:
+            return [found]
 
-        if parts := meant(str(known), self._columns):
-            return np.column_stack([self._columns[part] for part in parts])
+        if parts := meant(str(found), self._columns):
+            return parts
 
-        raise KeyError(f"no column {name!r}; {hint(str(known), self._columns)}")
+        raise KeyError(f"no column {name!r}; {hint(str(found), self._columns)}")
 
     def __iter__(self):
         return iter(self._columns)
@@ -61,6 +74,18 @@ class Results(Mapping):
 
     def __repr__(self):
         return f"<Results of {self.title!r}: {len(self['time'])} rows of {', '.join(self)}>"
+
+    def poses(self, end: str) -> tuple[np.ndarray, np.ndarray]:
+        """Where "body", "body.marker" or "ground" was at each row, asked for as an output or not.
+
+        Returns (positions (n, 3) in m, Euler parameters (n, 4), scalar last) in the inertial frame. Raises
+        KeyError for what is not there, ValueError for a table that is no run of a scene.
+        """
+        if self.states is None:
+            raise ValueError("these are columns alone, without the states of a run: no poses are known")
+
+        r, A = self.states.poses([end])
+        return r[:, 0], Rotation.from_matrix(A[:, 0]).as_quat()
 
     @classmethod
     def from_csv(cls, path) -> "Results":

@@ -9,6 +9,7 @@ from ..kernels.motion.commands import N_DERIVATIVE
 from .inputs import Inputs, numbers
 from .instance import Instance
 from .results import Results
+from .states import States
 
 
 def simulate(
@@ -41,6 +42,7 @@ def simulate(
     instance = Instance(model, parameters, start_time, signals.first())
     u = instance.u.reshape(N_DERIVATIVE, -1)
     columns = np.empty((n + 1, model.n_u + model.n_y))
+    states = States(model, n + 1)
 
     for k in range(n + 1):
         for position, value in signals.held(k).items():
@@ -50,6 +52,7 @@ def simulate(
         u[:, signals.positions] = parts[0][1]
         columns[k, : model.n_u] = instance.u[: model.n_u]
         columns[k, model.n_u :] = instance.outputs()
+        states.keep(k, instance)
 
         for i, (length, derivatives) in enumerate(parts if k < n else ()):
             if i > 0:
@@ -63,7 +66,7 @@ def simulate(
     shown = [v for v in model.variables if v.causality != "parameter"]
     units = {"time": "s"} | {v.name: v.unit for v in shown}
     by_name = {"time": times} | {v.name: columns[:, k] for k, v in enumerate(shown)}
-    return Results(by_name, units, model.title, instance.notices + signals.notices)
+    return Results(by_name, units, model.title, instance.notices + signals.notices, states)
 
 
 def _tolerance(model, parameters):

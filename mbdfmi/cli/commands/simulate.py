@@ -1,7 +1,7 @@
 """mbdfmi simulate: a run in process."""
 
-from ..arguments import SCENE, add_command, add_result_files, add_settings
-from ..paths import load_scene, result_files
+from ..arguments import SCENE, add_command, add_result_files, add_settings, add_view
+from ..paths import load_scene, result_files, view_file
 from ..settings import settings_of
 from ..show_results import show
 from ..terminal import time_bar
@@ -17,11 +17,12 @@ def add(commands):
         "simulate",
         "run a scene in process",
         """The run uses the same kernels as an FMU and gives the same numbers. Without
---csv and --plot it prints a summary. Inputs are 0 unless --set holds them at
+--csv, --plot and --view it prints a summary. Inputs are 0 unless --set holds them at
 another value; inputs that change in time need Python: mbdfmi.load(...).simulate.""",
         """examples:
   mbdfmi simulate pendulum.toml --until 10
   mbdfmi simulate pendulum.toml --until 10 --step 0.01 --csv a.csv --plot a.png
+  mbdfmi simulate pendulum.toml --until 10 --view run.html
   mbdfmi simulate arm.toml --until 2 --set elbow.torque=5 --set gravity=0,0,-1.62
 
 `mbdfmi info SCENE --parameters` lists what --set can set.""",
@@ -36,12 +37,14 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
         "finer where they need to be",
     )
     add_result_files(command, "all inputs and outputs")
+    add_view(command, "the motion")
     add_settings(command)
 
 
 def run(options):
     """Runs, and shows or writes what came of it."""
     csv, plot = result_files(options, options.scene)
+    shown = view_file(options.view, options.scene, csv, plot)
     scene = load_scene(options.scene)
     model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
@@ -55,4 +58,4 @@ def run(options):
     with time_bar(options.until) as progress:
         results = scene.simulate(options.until, options.step, inputs, parameters, progress=progress)
 
-    show(results, csv, plot)
+    show(results, csv, plot, shown)

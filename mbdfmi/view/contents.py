@@ -1,0 +1,260 @@
+"""What there is to draw of a scene: its looks, else its solids, else boxes of equal inertia and sticks
+between the joints.
+"""
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiler.frames import axes_with_z
+from ..scene.fields import unit_vector
+from ..scene.looks import red_green_blue
+from ..scene.meshes import load_mesh
+from . import curves, forms
+
+PALETTE = ("#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#ff9da7", "#9c755f")
+GROUND, TRACK, SPRING = "#8c949c", "#5b6b7a", "#7a5195"
+
+# joints that leave nothing to see at the ground
+LOOSE = (
+    "free",
+    "translation",
+    "planar",
+    "point_on_curve",
+    "point_on_surface",
+    "curve_on_curve",
+    "rolling_disk",
+    "rolling_sphere",
+)
+
+# how much of a guess is seen
+GUESS = 0.45
+
+# of the scene's size: radius of sticks, of point masses
+STICK = 0.007
+DOT = 0.018
+
+
+class Piece(NamedTuple):
+    """A surface on a body ("ground" too), in the body's axes.
+
+    colour : (3,), sRGB from 0 to 1. layer : "bodies", "curves" or "surfaces".
+    """
+
+    body: str
+    surface: forms.Triangles
+    colour: tuple
+    opacity: float = 1.0
+    layer: str = "bodies"
+
+
+class Link(NamedTuple):
+    """Something straight between two ends, as a spring: it gets longer and shorter."""
+
+    name: str
+    ends: tuple
+    radius: float
+    colour: tuple
+
+
+def pieces(scene, size) -> list[Piece]:
+    """All surfaces of a scene of that size (m)."""
+    found = []
+
+    for k, (name, body) in enumerate(scene.body.items()):
+        colour = red_green_blue(body.colour or PALETTE[k % len(PALETTE)])
+        drawn = _looks(scene, name, body, colour, size)
+        found += drawn or _solids(name, body, colour, size) or _guess(scene, name, body, colour, size)
+        found += _tracks(name, body, size)
+
+    colour = red_green_blue(scene.ground.colour or GROUND)
+    found += _looks(scene, "ground", scene.ground, colour, size) or _feet(scene, colour, size)
+    return found + _tracks("ground", scene.ground, size)
+
+
+def links(scene, size) -> list[Link]:
+    """Springs, and rods that are distances kept."""
+    struts = [(name, f.between) for name, f in scene.force.items() if f.kind == "spring_damper"]
+    rods = [(name, j.between) for name, j in scene.joint.items() if j.kind == "distance"]
+    made = [(struts, 0.6, SPRING), (rods, 0.8, GROUND)]
+    return [
+        Link(name, tuple(ends), part * STICK * size, red_green_blue(colour))
+        for found, part, colour in made
+        for name, ends in found
+    ]
+
+
+def joint_ends(scene, body):
+    """Ends of joints and springs on a body, each once."""
+    users = [*scene.joint.values(), *(f for f in scene.force.values() if f.kind == "spring_damper")]
+    return list(dict.fromkeys(end for user in users for end in user.between if end.split(".")[0] == body))
+
+
+# shapes
+
+
+def _looks(scene, name, holder, colour, size):
+    """What the user drew on a body or on the ground, and on its markers."""
+    found = []
+    frames = [(np.zeros(3), np.eye(3), colour, holder)]
+
+    for marker in holder.marker.values():
+        own = red_green_blue(marker.colour) if marker.colour else colour
+        frames.append((*marker.pose(), own, marker))
+
+    for r, A, tint, drawn in frames:
+        for shape in drawn.shape or []:
+            own = red_green_blue(shape.colour) if shape.colour else tint
+            if shape.kind == "line":
+                found.append(Piece(name, _line(scene, shape, size), own, shape.opacity))
+            else:
+                surface, own = _shape(shape, own)
+                found.append(Piece(name, forms.moved(surface, r, A), own, shape.opacity))
+    return found
+
+
+def _line(scene, shape, size):
+    """Rods between ends on one body."""
+    points = [scene.marker_pose(end)[1] for end in shape.line]
+    radius = shape.radius or STICK * size
+    return forms.join([forms.rod(a, b, radius) for a, b in itertools.pairwise(points)])
+
+
+def _shape(shape, colour):
+    """(surface, colour) of a shape at its place."""
+    position, A = shape.pose()
+
+    if shape.kind == "mesh":
+        mesh = load_mesh(shape.mesh.file, shape.mesh.scale)
+        own = _mesh_colour(mesh) if shape.colour is None else None
+        surface = forms.sharp(np.asarray(mesh.vertices, float), np.asarray(mesh.faces))
+        return forms.moved(surface, position, A), own or colour
+
+    return _placed(shape, getattr(shape, shape.kind), position, A), colour
+
+
+def _mesh_colour(mesh):
+    """The one colour of a mesh that has its own, or None."""
+    visual = mesh.visual
+    if not visual.defined:
+        return None
+    try:
+        return tuple(float(x) / 255 for x in np.asarray(visual.main_color)[:3])
+    except (AttributeError, TypeError, ValueError):
+        return None
+
+
+def _placed(part, form, position, A):
+    """The surface of a shape or solid of a form."""
+    stretch = {
+        "box": lambda: (forms.box(), form.size),
+        "sphere": lambda: (forms.sphere(), 3 * [form.radius]),
+        "cylinder": lambda: (forms.cylinder(), [form.radius, form.radius, form.length]),
+        "tube": lambda: (forms.tube(form.radius, form.inner_radius, form.length), np.ones(3)),
+        "capsule": lambda: (forms.capsule(form.radius, form.length), np.ones(3)),
+        "cone": lambda: (forms.cone(form.radius, form.top_radius, form.length), np.ones(3)),
+    }
+    surface, size = stretch[part.kind]()
+    turn = axes_with_z(unit_vector(part.axis)) if hasattr(part, "axis") else np.eye(3)
+    return forms.moved(surface, position, A @ turn, np.asarray(size))
+
+
+# solids, and guesses
+
+
+def _solids(name, body, colour, size):
+    found = []
+
+    for solid in body.solid or []:
+        position, A = solid.pose()
+        form = getattr(solid, solid.kind)
+        if solid.kind == "point":
+            surface = forms.moved(forms.sphere(), position, A, 3 * [DOT * size])
+        elif solid.kind == "mesh":
+            mesh = load_mesh(form.file, form.scale)
+            surface = forms.moved(
+                forms.sharp(np.asarray(mesh.vertices, float), np.asarray(mesh.faces)), position, A
+            )
+        else:
+            surface = _placed(solid, form, position, A)
+        found.append(Piece(name, surface, colour))
+    return found
+
+
+def _guess(scene, name, body, colour, size):
+    """Sticks from joint to joint, and what rolls; half transparent, a box of equal inertia."""
+    mass, com, inertia = body.mass_properties()
+    found = [Piece(name, surface, colour, GUESS) for surface in _rolling(scene, name)]
+
+    if not found and mass:
+        moments, axes = np.linalg.eigh(inertia / mass)
+        edges = np.sqrt(np.maximum(6 * (moments.sum() - 2 * moments), 0.0))
+
+        if edges.max() > DOT * size:
+            edges = np.maximum(edges, 0.4 * STICK * size)
+            axes = axes * np.sign(np.linalg.det(axes))
+            found.append(Piece(name, forms.moved(forms.box(), com, axes, edges), colour, GUESS))
+        else:
+            found.append(Piece(name, forms.moved(forms.sphere(), com, np.eye(3), 3 * [DOT * size]), colour))
+
+    points = [scene.marker_pose(end)[1] for end in joint_ends(scene, name)]
+    return found + [Piece(name, stick, colour) for stick in _sticks(points, com if mass else None, size)]
+
+
+def _rolling(scene, name):
+    """Disks and balls that roll, on the body that does."""
+    for joint in scene.joint.values():
+        if joint.kind in ("rolling_disk", "rolling_sphere") and joint.between[1].split(".")[0] == name:
+            _, r, A = scene.marker_pose(joint.between[1])
+            if joint.kind == "rolling_sphere":
+                yield forms.moved(forms.sphere(), r, A, 3 * [joint.radius])
+            else:
+                size = np.array([joint.radius, joint.radius, 0.04 * joint.radius])
+                yield forms.moved(forms.cylinder(), r, A @ axes_with_z(joint.axis), size)
+
+
+def _sticks(points, com, size):
+    """Rods that join points (of the joints) and the centre of mass."""
+    points = [np.asarray(p) for p in points]
+
+    if len(points) == 1 and com is not None:
+        points.append(np.asarray(com))
+    if len(points) > 2:
+        middle = np.mean(points, axis=0)
+        pairs = [(middle, p) for p in points]
+    else:
+        pairs = list(itertools.pairwise(points))
+
+    radius = STICK * size
+    return [forms.rod(a, b, radius) for a, b in pairs if np.linalg.norm(b - a) > radius]
+
+
+def _feet(scene, colour, size):
+    """Small blocks where joints hold to the ground."""
+    found = []
+
+    for end in joint_ends(scene, "ground"):
+        users = [j for j in scene.joint.values() if end in j.between and j.kind not in LOOSE]
+        r = scene.marker_pose(end)[1]
+        if users:
+            found.append(
+                Piece("ground", forms.moved(forms.box(), r, np.eye(3), 3 * [3.2 * STICK * size]), colour)
+            )
+    return found
+
+
+def _tracks(name, holder, size):
+    """Curves and surfaces on a body's markers."""
+    found = []
+
+    for marker in holder.marker.values():
+        r, A = marker.pose()
+        if marker.curve:
+            points = curves.curve_points(marker.curve, 0.6 * size)
+            rods = forms.polyline(points, 0.4 * STICK * size)
+            found.append(Piece(name, forms.moved(rods, r, A), red_green_blue(TRACK), 1.0, "curves"))
+        if marker.surface:
+            surface = curves.surface(marker.surface, 0.6 * size)
+            found.append(Piece(name, forms.moved(surface, r, A), red_green_blue(TRACK), 0.3, "surfaces"))
+    return found

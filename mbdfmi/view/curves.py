@@ -1,0 +1,63 @@
+"""Curves and surfaces of end frames as points to draw, in the axes of their marker."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline, RectBivariateSpline
+
+from . import forms
+
+# points along a curve, and each way across a surface
+FINE = 160
+ACROSS = 48
+
+
+def curve_points(curve, reach):
+    """(n, 3) in m along a curve; of one without ends as far as `reach` (m) from the origin, a cycloid one
+    arch.
+    """
+    if curve.kind in ("spline", "table"):
+        ends = "periodic" if curve.closed else "not-a-knot"
+        return CubicSpline(curve.s, curve.points, bc_type=ends)(np.linspace(curve.s[0], curve.s[-1], FINE))
+
+    s = np.linspace(-1.0, 1.0, FINE)
+    if curve.kind == "circle":
+        x, y = curve.radius * np.cos(np.pi * s), curve.radius * np.sin(np.pi * s)
+    elif curve.kind == "cycloid":
+        x, y = curve.radius * (np.pi * s + np.sin(np.pi * s)), curve.radius * (1 - np.cos(np.pi * s))
+    else:
+        c = curve.coefficient if curve.kind == "parabola" else 0.0
+        # so far out that it is `reach` away there
+        x = s * (np.sqrt((np.sqrt(1 + (2 * c * reach) ** 2) - 1) / 2) / abs(c) if c else reach)
+        y = c * x**2
+    return np.column_stack([x, y, np.zeros(FINE)])
+
+
+def surface(shape, reach):
+    """The `forms.Triangles` of a surface; of one without an end as far as `reach` (m)."""
+    a, s = np.linspace(-np.pi, np.pi, ACROSS + 1), np.linspace(-reach, reach, ACROSS + 1)
+
+    if shape.kind == "sphere":
+        return forms.moved(forms.sphere(), np.zeros(3), np.eye(3), 3 * [shape.radius])
+    if shape.kind == "torus":
+        u, v = np.meshgrid(a, a, indexing="ij")
+        out = shape.radius + shape.tube * np.cos(v)
+        return forms.grid(np.stack([out * np.cos(u), out * np.sin(u), shape.tube * np.sin(v)], axis=2))
+    if shape.kind == "cylinder":
+        edge = np.column_stack([shape.radius * np.cos(a), shape.radius * np.sin(a), 0 * a])
+        return _extruded(edge, s)
+    if shape.kind == "prism":
+        return _extruded(curve_points(shape.profile, reach), s)
+    if shape.kind == "table":
+        s1, s2, points = np.array(shape.s1), np.array(shape.s2), np.asarray(shape.points)
+        fine = np.linspace(s1[0], s1[-1], ACROSS), np.linspace(s2[0], s2[-1], ACROSS)
+        return forms.grid(
+            np.stack([RectBivariateSpline(s1, s2, points[:, :, k])(*fine) for k in range(3)], axis=2)
+        )
+
+    u, v = np.meshgrid(s[:: len(s) - 1], s[:: len(s) - 1], indexing="ij")
+    return forms.grid(np.stack([u, v, 0 * u], axis=2))
+
+
+def _extruded(edge, z):
+    """The surface that an edge (n, 3) makes moved along z."""
+    ends = z[[0, -1]]
+    return forms.grid(edge[:, None] + np.array([0.0, 0.0, 1.0]) * ends[None, :, None])

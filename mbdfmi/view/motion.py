@@ -1,0 +1,97 @@
+"""Where all bodies are over time, in the frame of the picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..scene.fields import unit_vector
+
+# a body that turns further than this between two rows is seen to turn another way
+FAR_TURN = 0.6 * np.pi
+
+
+@dataclass
+class Motion:
+    """Poses of bodies, "ground" first, at n times.
+
+    times : (n,) s. bodies : names. r : (n, n_bodies, 3) m, q : (n, n_bodies, 4) Euler parameters, scalar
+        last and without jumps of sign, in the frame of the picture: the ground's, or the inertial one.
+    inertial : (r (n, 3), A (n, 3, 3)) of the picture's frame in the inertial one.
+    """
+
+    times: np.ndarray
+    bodies: list
+    r: np.ndarray
+    q: np.ndarray
+    inertial: tuple
+
+    def thinned(self, most):
+        """The same with at most so many rows, evenly picked, first and last among them."""
+        rows = picked(len(self.times), most)
+        r, A = self.inertial
+        return Motion(self.times[rows], self.bodies, self.r[rows], self.q[rows], (r[rows], A[rows]))
+
+    def point(self, body, r):
+        """(n, 3): where a point (3,) of a body is."""
+        k = self.bodies.index(body)
+        return self.r[:, k] + Rotation.from_quat(self.q[:, k]).apply(r)
+
+    def far_turns(self):
+        """Bodies that turn so far from row to row that what is between is not seen."""
+        if len(self.times) < 2:
+            return []
+
+        turned = np.abs((self.q[1:] * self.q[:-1]).sum(axis=2)).min(axis=0)
+        return [
+            body for body, cosine in zip(self.bodies, turned) if 2 * np.arccos(min(1.0, cosine)) > FAR_TURN
+        ]
+
+
+def picked(n, most):
+    """At most so many of the rows 0 … n - 1."""
+    return np.unique(np.linspace(0, n - 1, min(n, max(2, most))).round().astype(int))
+
+
+def motion(scene, states, most=None) -> Motion:
+    """The motion of a run; `most`: of rows, evenly picked."""
+    rows = np.arange(len(states)) if most is None else picked(len(states), most)
+    bodies = ["ground", *scene.body]
+    r, A = states.poses(bodies, rows)
+    base = (np.zeros((len(rows), 3)), np.tile(np.eye(3), (len(rows), 1, 1)))
+
+    if scene.view.frame != "inertial" and scene.ground.motion:
+        base = r[:, 0].copy(), A[:, 0].copy()
+        r = np.einsum("nji,nbj->nbi", base[1], r - base[0][:, None])
+        A = np.einsum("nji,nbjk->nbik", base[1], A)
+
+    q = Rotation.from_matrix(A.reshape(-1, 3, 3)).as_quat().reshape(len(rows), len(bodies), 4)
+    return Motion(states.time[rows], bodies, r, _without_jumps(q), base)
+
+
+def _without_jumps(q):
+    """Euler parameters (n, bodies, 4) whose signs go on from row to row."""
+    same = np.where((q[1:] * q[:-1]).sum(axis=2) < 0, -1.0, 1.0)
+    signs = np.concatenate([np.ones((1, q.shape[1])), np.cumprod(same, axis=0)])
+    return q * signs[:, :, None]
+
+
+def up_axis(scene, moves: Motion):
+    """(3,) unit vector that is up in the picture's frame: as told, else against gravity, else z."""
+    if scene.view.up is not None:
+        up = unit_vector(scene.view.up)
+    else:
+        gravity = np.array(scene.gravity)
+        up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.array([0.0, 0.0, 1.0])
+
+    return moves.inertial[1][0].T @ up
+
+
+def upright(up):
+    """(3, 3): turns `up` into y, as glTF has it; z up leaves x where it is."""
+    y = np.array([0.0, 1.0, 0.0])
+    if up @ y < -1 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    axis = np.cross(up, y)
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + K + K @ K / (1 + up @ y)

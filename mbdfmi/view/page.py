@@ -1,0 +1,58 @@
+"""The page: one file of HTML that holds the viewer, the GLB and what is told of it, and asks nothing of
+the net.
+"""
+
+import base64
+import gzip
+import html
+import json
+from pathlib import Path
+
+from . import glb
+from .told import told
+
+FOLDER = Path(__file__).parent
+
+# bytes of poses in a page: of longer runs not every row is kept
+POSES = 1_100_000
+
+NOT_EVERY = "the picture shows {shown} of the {all} rows of the run"
+SPINS = "{bodies} may turn further between two rows than the picture can tell: a smaller step shows how"
+
+
+def page(picture, results=None, notes=()) -> str:
+    """The page of a picture; results: of its run; notes: what a user is told of it."""
+    moving = sum(bool(node.moves) for node in picture.tree().children) or 1
+    most = max(50, POSES // (28 * moving))
+    notes = list(notes)
+
+    if picture.moves.far_turns():
+        notes.append(SPINS.format(bodies=", ".join(picture.moves.far_turns())))
+
+    if len(picture.moves.times) > most:
+        notes.append(NOT_EVERY.format(shown=most, all=len(picture.moves.times)))
+        picture = picture.thinned(most)
+
+    binary = glb.write(picture.tree(full=False), picture.moves.times, picture.title)
+    data = json.dumps(
+        told(picture, results, notes), separators=(",", ":"), ensure_ascii=False, allow_nan=False
+    )
+    parts = {
+        "title": html.escape(picture.title),
+        "style": (FOLDER / "page.css").read_text(encoding="utf-8"),
+        "licence": (FOLDER / "LICENSE.three.js").read_text(encoding="utf-8"),
+        "viewer": _packed((FOLDER / "viewer.js").read_bytes()),
+        "glb": _packed(binary),
+        "info": _packed(data.encode()),
+    }
+    text = (FOLDER / "page.html").read_text(encoding="utf-8")
+
+    for name, part in parts.items():
+        text = text.replace(f"%{name}%", part, 1)
+
+    return text
+
+
+def _packed(data):
+    """Bytes as text for a page: gzip, base64."""
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()

@@ -1,0 +1,217 @@
+"""What is shown is what was run: numbers of the GLB and of the page, read back; the page in a real browser."""
+
+import base64
+import gzip
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import mbdfmi
+from mbdfmi.cli import main
+from mbdfmi.view import forms, glb
+from mbdfmi.view.picture import picture
+from mbdfmi.view.show import at_start
+
+ROOT = Path(__file__).parents[1]
+MODELS = ROOT / "models"
+TURBINE = MODELS / "floating_wind_turbine" / "floating_wind_turbine.toml"
+
+
+def load(name):
+    return mbdfmi.load(TURBINE if name == "turbine" else MODELS / f"{name}.toml")
+
+
+def poses(data):
+    """{body: (r (n, 3), A (n, 3, 3))} in the inertial frame or the ground's, and times, as the nodes of a GLB say."""
+    document, arrays = glb.read(data)
+    nodes = document["nodes"]
+    moves, times = {}, np.zeros(1)
+
+    for animation in document.get("animations", []):
+        for channel in animation["channels"]:
+            sampler = animation["samplers"][channel["sampler"]]
+            times = arrays[sampler["input"]]
+            moves[channel["target"]["node"], channel["target"]["path"]] = arrays[sampler["output"]].astype(float)
+
+    found = {}
+
+    def walk(index, r, A):
+        node = nodes[index]
+        own_r = moves.get((index, "translation"), np.array([node.get("translation", [0, 0, 0])]))
+        own_A = Rotation.from_quat(moves.get((index, "rotation"), np.array([node.get("rotation", [0, 0, 0, 1])]))).as_matrix()
+        r, A = r + np.einsum("nij,nj->ni", A, np.broadcast_to(own_r, (len(times), 3))), A @ own_A
+
+        if node.get("extras", {}).get("kind") == "body":
+            found[node["name"]] = r, A
+
+        for child in node.get("children", []):
+            walk(child, r, A)
+
+    (root,) = document["scenes"][0]["nodes"]
+    turn = Rotation.from_quat(nodes[root]["rotation"]).as_matrix()
+
+    for child in nodes[root]["children"]:
+        walk(child, np.zeros((len(times), 3)), np.tile(np.eye(3), (len(times), 1, 1)))
+
+    return times, found, turn
+
+
+@pytest.mark.parametrize("name", ["four_bar", "turbine", "bricard", "marble_run", "spinning_hoop", "satellite", "turning_track"])
+def test_poses_in_the_glb_are_those_of_the_run(name, check):
+    scene = load(name)
+    results = scene.simulate(1.0, 0.05)
+    shown = picture(scene, results.states)
+    times, found, _ = poses(shown.glb())
+    np.testing.assert_allclose(times, results["time"], atol=1e-6)
+    assert set(found) == {"ground", *scene.body}
+    base_r, base_q = results.poses("ground" if scene.ground.motion else "inertial")
+    base = Rotation.from_quat(base_q)
+
+    for body in scene.body:
+        r, q = results.poses(body)
+        here_r, here_A = (np.broadcast_to(value, (len(r), *value.shape[1:])) for value in found[body])
+        there_r = base.inv().apply(r - base_r)
+        check(np.abs(here_r - there_r).max() / max(shown.size, np.abs(there_r).max()), 1e-6)
+        check(np.abs(here_A - (base.inv() * Rotation.from_quat(q)).as_matrix()).max(), 1e-6)
+
+
+def test_states_give_what_outputs_gave():
+    scene = load("turbine")
+    results = scene.simulate(3.0, 0.1, inputs={"shaft.torque": lambda t: -1e6 * np.sin(t)})
+    r, q = results.poses("hub")
+    np.testing.assert_array_equal(r, results["hub.position"])
+    yaw_pitch_roll = Rotation.from_quat(results.poses("platform")[1]).as_euler("ZYX")
+    np.testing.assert_allclose(yaw_pitch_roll, results["platform.zyx"], atol=1e-12)
+
+
+def test_commanded_motion_is_drawn_where_it_was():
+    scene = mbdfmi.Scene(
+        name="lift",
+        body={"car": {"mass": 1.0, "inertia": [1, 1, 1], "output": ["position"]}, "bob": {"mass": 1.0, "inertia": [1, 1, 1], "marker": {"top": {"position": [0, 0, 1]}}, "output": ["position"]}},
+        joint={
+            "rail": {"prismatic": {"axis": "z"}, "between": ["ground", "car"], "driver": {"input": ["position"]}},
+            "pin": {"revolute": {"axis": "y"}, "between": ["car", "bob.top"], "start": {"angle_deg": 20}},
+        },
+    )
+    results = scene.simulate(2.0, 0.1, inputs={"rail.position_command": lambda t: 0.5 * np.sin(t)})
+    for body in ("car", "bob"):
+        np.testing.assert_allclose(results.poses(body)[0], results[f"{body}.position"], atol=1e-12)
+
+
+def test_up_is_against_gravity():
+    for gravity, up in (([0, 0, -9.81], "z"), ([0, -9.81, 0], "y"), ([3, 0, 0], "-x"), ([0, 9.81, 0], "-y")):
+        scene = mbdfmi.Scene(name="up", gravity=gravity, body={"a": {"mass": 1, "inertia": [1, 1, 1]}}, joint={"j": {"free": {}, "between": ["ground", "a"]}})
+        _, _, turn = poses(picture(scene, at_start(scene.compile()).states).glb())
+        axis = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}[up[-1]]
+        np.testing.assert_allclose(turn @ axis, [0, -1 if up[0] == "-" else 1, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("surface", [
+    forms.box(), forms.sphere(), forms.cylinder(), forms.tube(1, 0.5, 2), forms.capsule(1, 2), forms.cone(1, 0, 2),
+    forms.cone(1, 0.5, 2), forms.rod([0, 0, 0], [1, 2, 3], 0.1),
+])  # fmt: skip
+def test_forms_are_closed_and_face_outwards(surface):
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(surface.points.round(12), surface.faces)
+    mesh.merge_vertices()
+    assert mesh.is_watertight and mesh.is_winding_consistent and mesh.volume > 0
+    corners = surface.points[surface.faces]
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert ((flat[:, None] * surface.normals[surface.faces]).sum(axis=2) > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0, atol=1e-9)
+
+
+def test_a_box_of_equal_inertia_stands_for_what_has_no_shape():
+    inertia = [3 * (4 + 1) / 12, 3 * (9 + 1) / 12, 3 * (9 + 4) / 12]      # of a box of 3, 2, 1 m, 3 kg
+    body = {"mass": 3.0, "com": [1, 0, 0], "inertia": inertia}
+    scene = mbdfmi.Scene(name="box", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}})
+    (piece,) = [p for p in picture(scene, at_start(scene.compile()).states).pieces if p.opacity < 1]
+    np.testing.assert_allclose(np.ptp(piece.surface.points, axis=0), [3, 2, 1], rtol=1e-9)
+
+
+def parts(text):
+    """What a page holds: (GLB, what is told of it)."""
+    glb_text, info = (re.search(f'id="{name}">([^<]*)<', text)[1] for name in ("glb", "info"))
+    return gzip.decompress(base64.b64decode(glb_text)), json.loads(gzip.decompress(base64.b64decode(info)))
+
+
+def test_a_page_holds_the_run_and_is_small(tmp_path, check):
+    scene = load("four_bar")
+    results = scene.simulate(5.0)
+    path = results.view(tmp_path / "run.html")
+    text = path.read_text()
+    assert path.stat().st_size < 300_000
+    assert not re.search(r'(src|href)="(?!data:)', text)
+    binary, info = parts(text)
+    _, found, _ = poses(binary)
+    for body in scene.body:
+        check(np.abs(found[body][0] - results.poses(body)[0]).max() / 2.5, 1e-6)
+    names = {item["name"] for item in info["plots"]["items"]}
+    assert {"crank_pivot.angle", "coupler.tool.position"} <= names
+
+
+def test_ten_minutes_of_the_turbine_are_less_than_two_megabytes(tmp_path):
+    scene = load("turbine")
+    path = scene.simulate(600.0, 0.1).view(tmp_path / "run.html")
+    assert path.stat().st_size < 2_000_000
+
+
+def test_a_page_of_too_few_rows_says_so(tmp_path):
+    scene = mbdfmi.Scene(
+        name="fan", body={"a": {"mass": 1, "inertia": [1, 1, 1]}},
+        joint={"j": {"revolute": {}, "between": ["ground", "a"], "driver": {"constant_speed_rpm": 600}}},
+    )  # fmt: skip
+    _, info = parts(scene.simulate(1.0, 0.04).view(tmp_path / "a.html").read_text())
+    assert any("a may turn further between two rows" in note for note in info["notes"])
+    _, info = parts(scene.simulate(1.0, 0.01).view(tmp_path / "a.html").read_text())
+    assert info["notes"] == []
+
+
+def test_commands(tmp_path, capsys):
+    page, run, binary = tmp_path / "a.html", tmp_path / "run.html", tmp_path / "a.glb"
+    assert main(["view", str(MODELS / "four_bar.toml"), "-o", str(page)]) == 0
+    assert main(["view", str(MODELS / "four_bar.toml"), "-o", str(binary)]) == 0
+    assert main(["simulate", str(MODELS / "four_bar.toml"), "--until", "0.5", "--view", str(run)]) == 0
+    assert parts(page.read_text())[1]["times"] is None
+    assert parts(run.read_text())[1]["times"] == [0.0, 0.5]
+    assert glb.read(binary.read_bytes())[0]["asset"]["version"] == "2.0"
+    assert main(["view", str(MODELS / "four_bar.toml"), "-o", str(tmp_path / "a.step")]) == 1
+    assert "which is no .step file" in capsys.readouterr().err
+    assert main(["simulate", str(MODELS / "four_bar.toml"), "--until", "0.5", "--view", "a.view"]) == 1
+    assert "let its name end in .html" in capsys.readouterr().err
+
+
+def test_what_a_plot_cannot_show_is_told(tmp_path):
+    scene = load("four_bar")
+    scene.view = {"plots": ["crank_pivot.angel"]}
+    with pytest.raises(ValueError, match=r"\[view\] plots: no column 'crank_pivot.angel'.*crank_pivot.angle"):
+        scene.simulate(0.1).view(tmp_path / "a.html")
+
+
+def test_notebooks_get_the_page():
+    scene = load("pendulum")
+    for shown in (scene, scene.simulate(0.1)):
+        text = shown._repr_html_()
+        assert text.startswith("<iframe srcdoc=") and "&lt;!DOCTYPE html&gt;" in text
+
+
+@pytest.mark.skipif(
+    not (shutil.which("node") and (ROOT / "viewer" / "node_modules" / "gltf-validator").exists()),
+    reason="node and gltf-validator are not there: cd viewer && npm install",
+)
+@pytest.mark.parametrize("name", ["four_bar", "turbine", "marble_run", "rolling_disk"])
+def test_the_glb_is_valid(tmp_path, name):
+    scene = load(name)
+    path = scene.simulate(0.5).view(tmp_path / "a.glb")
+    code = (
+        "const v = require('gltf-validator');"
+        "v.validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[1]))).then(r => console.log(JSON.stringify(r.issues)))"
+    )
+    found = subprocess.run(["node", "-e", code, str(path)], cwd=ROOT / "viewer", capture_output=True, text=True, check=True)
+    assert json.loads(found.stdout)["messages"] == []
