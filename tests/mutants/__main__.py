@@ -4,7 +4,8 @@ import argparse
 import json
 import sys
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import ExitStack
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -51,67 +52,64 @@ def main():
             show(console, mutant)
         return 0
 
-    by_line, times = lines(console)
-    verdicts = known(options.resume, options.again)
-    copies = SimpleQueue()
+    by_line, times = lines(console, options.jobs)
 
-    def judge(mutant):
-        if name_of(mutant) in verdicts:
-            return verdicts[name_of(mutant)]
+    def judge(mutant, copy):
+        return Verdict(EQUAL) if argument(mutant) else hunt(mutant, copy, by_line, times)
 
-        if argument(mutant):
-            return Verdict(EQUAL)
-
-        copy = copies.get()
-
-        try:
-            return hunt(mutant, copy, by_line, times)
-        finally:
-            copies.put(copy)
-
-    with ThreadPoolExecutor(options.jobs) as pool:
-        opened = [Copy().__enter__() for _ in range(options.jobs)]
-
-        try:
-            for copy in opened:
-                copies.put(copy)
-
-            for mutant, verdict in zip(mutants, pool.map(judge, mutants)):
-                verdicts[name_of(mutant)] = verdict
-                keep(options.resume, verdicts)
-                console.print(
-                    f"{name_of(mutant)}: {verdict.outcome} {escape(verdict.by)} [dim]{verdict.seconds:.0f} s"
-                )
-        finally:
-            for copy in opened:
-                copy.__exit__()
-
+    verdicts = judged(console, options, {name_of(mutant): mutant for mutant in mutants}, judge)
     return report(console, mutants, verdicts, times)
 
 
-def lines(console):
+def lines(console, jobs):
     """`reach.tests_by_line`, its progress shown."""
     with console.status("") as status:
-        return reach.tests_by_line(lambda name: status.update(f"lines that {name} reaches"))
+        return reach.tests_by_line(jobs, lambda name: status.update(f"lines that {name} reaches: known"))
 
 
 def undo(console, options):
     """Each mending undone by itself; 1 where nothing notices one."""
-    verdicts = known(options.resume, options.again)
-    by_line, times = lines(console) if options.undone == "tests" else ({}, {})
+    by_line, times = lines(console, options.jobs) if options.undone == "tests" else ({}, {})
+    chosen = {f"{u.rule}. {u.name}": u for u in UNDONE if options.only is None or options.only in u.name}
 
-    with Copy() as copy:
-        for undone in UNDONE:
-            if undone.name not in verdicts and (options.only is None or options.only in undone.name):
-                verdict = judge_undone(undone, copy, options.undone == "referee", by_line, times)
-                verdicts[undone.name] = verdict
-                keep(options.resume, verdicts)
-                text = f"{undone.rule}. {undone.name}: {verdict.outcome} {escape(verdict.by)}"
-                console.print(f"{text} [dim]{verdict.seconds:.0f} s")
+    def judge(undone, copy):
+        return judge_undone(undone, copy, options.undone == "referee", by_line, times)
 
+    verdicts = judged(console, options, chosen, judge)
     left = [name for name, verdict in verdicts.items() if verdict.outcome not in (CAUGHT, BY_TIME)]
     console.print(f"{len(verdicts) - len(left)} of {len(verdicts)} mendings are noticed when they are undone")
     return int(bool(left))
+
+
+def judged(console, options, chosen, judge):
+    """{name: what came of it} of those chosen, {name: x}; `judge(x, copy)` on `--jobs` copies side by side.
+
+    What the file of `--resume` knows is taken from there, and what comes is kept in it.
+    """
+    verdicts = known(options.resume, options.again)
+    copies = SimpleQueue()
+
+    def judge_one(name):
+        copy = copies.get()
+
+        try:
+            return judge(chosen[name], copy)
+        finally:
+            copies.put(copy)
+
+    with ThreadPoolExecutor(options.jobs) as pool, ExitStack() as stack:
+        for _ in range(options.jobs):
+            copies.put(stack.enter_context(Copy()))
+
+        waiting = {pool.submit(judge_one, name): name for name in chosen if name not in verdicts}
+
+        for done in as_completed(waiting):
+            name, verdict = waiting[done], done.result()
+            verdicts[name] = verdict
+            keep(options.resume, verdicts)
+            console.print(f"{name}: {verdict.outcome} {escape(verdict.by)} [dim]{verdict.seconds:.0f} s")
+
+    return {name: verdicts[name] for name in chosen}
 
 
 def known(file, again):

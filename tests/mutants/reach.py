@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from difflib import SequenceMatcher
 from functools import cache
 from pathlib import Path
@@ -84,7 +85,7 @@ def measured(test_file, anew=False):
     if anew or not known:
         here.mkdir(parents=True, exist_ok=True)
         (here / "sources.json").write_text(json.dumps(sources()))
-        part = kept.with_suffix(f".{os.getpid()}")
+        part = kept.with_suffix(f".{os.getpid()}-{test_file.stem}")
         plugins = ["-p", "no:cacheprovider", "-p", "tests.mutants.reach"]
         command = [sys.executable, "-m", "pytest", "-q", "--tb=no", *plugins, relative]
         variables = environment(ROOT, MUTANTS_RESULTS=str(part))
@@ -108,15 +109,20 @@ def _moved(before, after):
     return {i + k + 1: j + k + 1 for i, j, size in blocks for k in range(size)}
 
 
-def tests_by_line(progress=lambda name: None):
-    """({(file, line): [tests]}, {test: s}) of all quick tests that pass;
-    files relative to the package's root."""
+def tests_by_line(jobs=1, progress=lambda name: None):
+    """({(file, line): [tests]}, {test: s}) of all quick tests that pass; `progress(file)` as each is known;
+    files relative to the package's root; `jobs` files are measured side by side."""
     reaching, times = {}, {}
     now = sources()
 
-    for test_file in test_files():
-        progress(test_file.name)
-        results, before = measured(test_file)
+    with ThreadPoolExecutor(jobs) as pool:
+        measuring = {pool.submit(measured, path): path.name for path in test_files()}
+
+        for done in as_completed(measuring):
+            progress(measuring[done])
+
+    for done in measuring:
+        results, before = done.result()
 
         for test, found in results.items():
             if found["passed"]:
