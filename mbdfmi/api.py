@@ -3,10 +3,12 @@
 import os
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from pydantic import PrivateAttr
 
 from . import scene as _scene
+from .scene import reader
 from .scene.fields import adopted, given
 
 
@@ -23,6 +25,7 @@ class Scene(_scene.SceneData):
 
     _file: Path | None = PrivateAttr(None)
     _known: dict = PrivateAttr({})
+    _imported: Any = PrivateAttr(None)
 
     def model_post_init(self, context):
         """Remembers what was checked."""
@@ -47,6 +50,20 @@ class Scene(_scene.SceneData):
             yield
         except _scene.SceneError as error:
             raise _scene.SceneError(error.problems, file=self._file) from None
+
+    @property
+    def imported(self):
+        """What the scene was made of if it was read from a URDF file (`mbdfmi.scene.import_.Imported`), or
+        None.
+        """
+        return self._imported
+
+    @property
+    def import_notes(self):
+        """What was decided and left out when the scene was read from a URDF file (list of str); [] of
+        others.
+        """
+        return self._imported.notes if self._imported else []
 
     def compile(self):
         """The `Model` of the scene: arrays and variables. Raises SceneError."""
@@ -118,8 +135,37 @@ class Scene(_scene.SceneData):
         return export_fmu(model, path, platforms, scene_file=self._file, **options)
 
 
-def load(path: str | os.PathLike) -> Scene:
-    """Read a scene from a TOML file. Raises SceneError with the file's name and all that is wrong in it."""
-    scene = _scene.read_scene(path, Scene)
-    scene._file = Path(path)
+def load(path: str | os.PathLike, **options) -> Scene:
+    """Read a scene from a TOML file, or a robot from a URDF file.
+
+    options : how a URDF file is read, as `mbdfmi.scene.import_.UrdfOptions` says: base="free",
+    stop_stiffness=1e4, packages={"panda": "robots/panda"}. What was decided and left out then stands in the
+    scene's `import_notes`.
+
+    Raises SceneError with the file's name and all that is wrong in it; ValueError for options that do not
+    fit.
+    """
+    path = Path(path)
+    data = reader.read_bytes(path)
+
+    if reader.is_urdf(data, path):
+        from .scene import import_
+
+        return _imported(path, import_.read_urdf(path, import_.UrdfOptions(**options), data))
+    if options:
+        raise ValueError(f"{path}: is a scene file; {', '.join(options)}: for URDF files alone")
+
+    scene = reader.parse_scene(data, os.fspath(path), Scene)
+    scene._file = path
+    return scene
+
+
+def _imported(path, imported):
+    """The scene of what was read from a file of another format."""
+    try:
+        scene = Scene.model_validate(imported.tables)
+    except _scene.SceneError as error:
+        raise _scene.SceneError(error.problems, file=path) from None
+
+    scene._file, scene._imported = path, imported
     return scene

@@ -69,7 +69,7 @@ def fmu(tmp_path_factory):
 # what works
 
 
-@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"]])
+@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"], ["import"]])
 def test_help(command, arguments, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     status, printed, _ = command(*arguments, "--help")

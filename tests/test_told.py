@@ -83,7 +83,7 @@ def chain(sizes, **more):
     "sizes, odd",
     [
         ([0.5, 500, 0.3], ["b1"]), ([0.5, 0.4, 450, 500], ["b2", "b3"]), ([0.5, 0.4, 0.3], []), ([500, 300, 200], []),
-        ([0.05, 1, 10], []), ([0, 500], []),
+        ([0.05, 1, 10], []), ([0, 500], []), ([2e-5, 0.02, 0.3, 0.4], []), ([6e-34, 0.1, 0.2], []),
     ],
 )  # fmt: skip
 def test_a_body_far_longer_than_others_is_noticed(sizes, odd):
@@ -230,8 +230,8 @@ def test_a_stop_is_talked_about_as_it_was_written(stop, said):
 @pytest.mark.parametrize(
     "text, kind",
     [
-        ('<?xml version="1.0"?>\n<!-- a robot -->\n<robot name="r">', "URDF"), ('<robot name="r"/>', "URDF"),
-        ("\ufeff<?xml version='1.0'?><robot>", "URDF"), ("ISO-10303-21;\nHEADER;", "STEP"), ("<mujoco>", "MJCF"),
+        ('<?xml version="1.0"?>\n<!-- a model -->\n<mujoco model="r">', "MJCF"), ('<mujoco model="r"/>', "MJCF"),
+        ("\ufeff<?xml version='1.0'?><mujoco>", "MJCF"), ("ISO-10303-21;\nHEADER;", "STEP"), ("<mujoco>", "MJCF"),
         ("<?xml version='1.0'?><sdf version='1.6'>", "SDF"), ("<?xml version='1.0'?><fmiModelDescription ", "modelDescription.xml"),
         ("<?xml version='1.0'?><x>", "XML"), ('{"body": {}}', "JSON"), ('[{"a": 1}]', "JSON"), ("PK\x03\x04abc", "zip"),
         ("model Pendulum\n Real x;", "Modelica"), ("within A.B;\nmodel P", "Modelica"), ("OndselSolver\nAssembly", "OndselSolver"),

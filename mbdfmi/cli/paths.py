@@ -5,10 +5,14 @@ import os
 from pathlib import Path
 
 from ..files import same, to_standard_output
+from .arguments import urdf_options
+from .terminal import note
 
 
-def load_scene(file):
-    """The scene of a file. Raises SceneError; ValueError for an FMU."""
+def load_scene(file, options=None):
+    """The scene of a file; `options` of the command line that are for URDF files. What such a file leaves
+    open is told. Raises SceneError; ValueError for an FMU.
+    """
     from ..api import load
 
     if Path(file).suffix.lower() == ".fmu":
@@ -16,7 +20,9 @@ def load_scene(file):
             f"{file}: is an FMU; this command wants a scene file (TOML). For an FMU: mbdfmi check"
         )
 
-    return load(file)
+    scene = load(file, **urdf_options(options))
+    note(f"{file}: {text}" for text in scene.import_notes)
+    return scene
 
 
 def matching(file):

@@ -45,11 +45,11 @@ def _angles(kind):
 
 
 def far_sizes(scene):
-    """Bodies far longer than the others, as one in mm among those in m."""
+    """Bodies far longer than the others, as one in mm among those in m: no more than the others are."""
     sizes = sorted((size, name) for name, body in scene.body.items() if (size := _body_size(body)) > 0.0)
 
     for k, (size, _) in enumerate(sizes[1:], 1):
-        if size > JUMP * sizes[k - 1][0]:
+        if size > JUMP * sizes[k - 1][0] and 2 * k >= len(sizes):
             for size, name in sizes[k:]:
                 text = f"reaches {size:.6g} m, other bodies {sizes[k - 1][0]:.6g} m at most; lengths are in m, not mm"
                 yield Problem(("body", name), text)

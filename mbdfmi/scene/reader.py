@@ -14,18 +14,21 @@ def read_scene(path, kind=SceneData):
     path : str or path-like. Returns a scene of the class `kind`.
     Raises SceneError, with the file's name and all that is wrong in it, for whatever goes wrong.
     """
+    return parse_scene(read_bytes(path), os.fspath(path), kind)
+
+
+def read_bytes(path):
+    """The bytes of a file. Raises SceneError where it cannot be read."""
     path = os.fspath(path)
     try:
         with open(path, "rb") as file:
-            data = file.read()
+            return file.read()
     except FileNotFoundError:
         text = "there is no such file"
     except IsADirectoryError:
         text = "is a folder; name a scene file in it"
     except (OSError, ValueError) as error:
         text = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    else:
-        return parse_scene(data, path, kind)
 
     raise SceneError([Problem((), text)], file=path)
 
@@ -81,6 +84,13 @@ BEGINNINGS = {
     rb"\{|\[\s*\{": "a JSON file",
     rb"(#!.*python|import \w+|from [\w.]+ import )": "a Python program; run it with python",
 }
+
+
+def is_urdf(data, path):
+    """Whether bytes of a file are those of a URDF file, by what they say or by how its name ends."""
+    return (
+        os.fspath(path).lower().endswith((".urdf", ".xacro")) or _other_kind(data) == BEGINNINGS[rb"<robot\b"]
+    )
 
 
 def _other_kind(data):

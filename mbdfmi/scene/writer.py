@@ -7,21 +7,24 @@ from .fields import given
 WIDTH = 96
 
 
-def toml_text(scene):
-    """The scene as the text of a TOML file: what was given, not what follows from it."""
-    lines = []
-    _write_table(lines, [], given(scene))
+def toml_text(scene, comments=None):
+    """The scene as the text of a TOML file: what was given, not what follows from it.
+
+    comments : {path of a table as ("joint", "elbow"), () for the file: lines to stand above it}.
+    """
+    lines = [f"# {text}" for text in (comments or {}).get((), ())]
+    _write_table(lines, [], given(scene), comments or {})
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-def write_scene(scene, path):
-    """Write the scene to a TOML file, whole or not at all. Raises OSError."""
-    text = scene.to_toml()
+def write_scene(scene, path, comments=None):
+    """Write the scene to a TOML file, whole or not at all; comments as of `toml_text`. Raises OSError."""
+    text = toml_text(scene, comments)
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
 
 
-def _write_table(lines, path, table):
+def _write_table(lines, path, table, comments):
     """Append the lines of a table: its values, then the tables below it."""
     inline, below = {}, {}
     for key, value in table.items():
@@ -37,12 +40,16 @@ def _write_table(lines, path, table):
             under = under or (isinstance(item, dict) and bool(item) and len(_line(keys, item)) > WIDTH)
             (below if under else inline)[keys] = item
 
-    if path and (inline or not below):
-        lines += ["", "[" + ".".join(map(key_text, path)) + "]"]
+    above = [f"# {text}" for text in comments.get(tuple(path), ())] if path else []
+
+    if path and (inline or above or not below):
+        lines += ["", *above, "[" + ".".join(map(key_text, path)) + "]"]
+    elif lines and not path:
+        lines.append("")
     for keys, item in inline.items():
         lines.append(_line(keys, item))
     for keys, item in below.items():
-        _write_table(lines, [*path, *keys], item)
+        _write_table(lines, [*path, *keys], item, comments)
 
 
 def _line(keys, value):

@@ -16,7 +16,7 @@ UNTIL, STEP = "0.05", "0.01"
 WAITS = 20.0  # s that the reader of a pipe waits
 
 OTHER_KINDS = {
-    "arm.xml": ('<?xml version="1.0"?>\n<robot name="arm"/>', "URDF"),
+    "arm.xml": ('<?xml version="1.0"?>\n<mujoco model="arm"/>', "MJCF"),
     "arm.json": ('{"body": {}}', "JSON"),
     "Arm.mo": ("model Arm\n  Real x;\nend Arm;", "Modelica"),
 }

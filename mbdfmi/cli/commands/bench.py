@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ...files import to_standard_output
-from ..arguments import SCENE, add_command, add_settings
+from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, result_files
 from ..settings import settings_of
 from ..tables import table_of
@@ -47,7 +47,7 @@ A fixed step does the same work in every communication step, as real time asks f
   mbdfmi bench crane.toml --until 10 --step 0.01          as of a master that calls every 10 ms
   mbdfmi bench crane.toml --until 10 --stepper rk54 --stepper radau --csv bench.csv""",
     )
-    command.add_argument("scene", **SCENE)
+    add_scene(command)
     command.add_argument("--until", type=float, required=True, metavar="T", help="end of the runs, s")
     command.add_argument(
         "--step",
@@ -75,7 +75,7 @@ def run(options):
     from ...analysis.comparison import compare_steppers
 
     csv, plot = result_files(options, options.scene)
-    scene = load_scene(options.scene)
+    scene = load_scene(options.scene, options)
     inputs, parameters = settings_of(scene.compile(), options.set)
     chosen = {"steppers": options.stepper} if options.stepper else {}
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..arguments import add_command
+from ..arguments import URDF, add_command, add_urdf
 from ..fmu_check import check_fmu
 from ..paths import load_scene
 from ..terminal import COMPILING, doing, kernels_are_compiled, note, out
@@ -18,19 +18,20 @@ def add(commands):
         """A scene is read and its motion started. An FMU, of any maker, is validated and
 run for a few steps. All mistakes found are printed; the exit status is 1 then.""",
     )
-    command.add_argument("file", metavar="SCENE|FMU", help="scene file (TOML), or any FMU")
+    command.add_argument("file", metavar="SCENE|FMU", help="scene file (TOML), robot (URDF), or any FMU")
+    add_urdf(command.add_argument_group(URDF))
 
 
 def run(options):
     """Raises what was found."""
     path = Path(options.file)
-    notes = check_fmu(path) if path.suffix.lower() == ".fmu" else _check_scene(path)
+    notes = check_fmu(path) if path.suffix.lower() == ".fmu" else _check_scene(path, options)
     out.print(f"{path}: no mistakes found{notes}", soft_wrap=True)
 
 
-def _check_scene(path):
+def _check_scene(path, options):
     """Reads a scene and starts its motion. Raises SceneError, SimulationError."""
-    model = load_scene(path).compile()
+    model = load_scene(path, options).compile()
 
     from ...run.instance import Instance
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ...files import check_ending, to_standard_output
-from ..arguments import SCENE, add_command
+from ..arguments import add_command, add_scene
 from ..paths import load_scene, matching, writable
 from ..terminal import doing, err, is_told, out, text_of
 
@@ -26,7 +26,7 @@ some minutes; later ones take a second.""",
   mbdfmi export crane.toml --fmi 2,3            crane_fmi2.fmu and crane_fmi3.fmu
   mbdfmi export crane.toml --platform x86_64-linux --platform x86_64-windows""",
     )
-    command.add_argument("scenes", nargs="+", **SCENE)
+    add_scene(command, "scenes", nargs="+")
     command.add_argument(
         "-o",
         "--output",
@@ -63,7 +63,7 @@ def run(options):
 
     for file in files:
         try:
-            scene = load_scene(file)
+            scene = load_scene(file, options)
             name = c_identifier(scene.name)
             names = [name] if len(versions) == 1 else [f"{name}_fmi{fmi}" for fmi in versions]
             paths = [writable(target if one_file else target / f"{name}.fmu", files) for name in names]

@@ -5,7 +5,7 @@ from itertools import groupby
 
 import numpy as np
 
-from ..arguments import SCENE, add_command
+from ..arguments import add_command, add_scene
 from ..paths import load_scene
 from ..tables import count, print_table, table_of, vector
 from ..terminal import doing_first, err, note, out
@@ -20,13 +20,13 @@ def add(commands):
         "show what a scene holds",
         "Bodies, joints, degrees of freedom, solver, and the variables that its FMU will have.",
     )
-    command.add_argument("scene", **SCENE)
+    add_scene(command)
     command.add_argument("--parameters", action="store_true", help="list the parameters and their values too")
 
 
 def run(options):
     """Prints it all."""
-    scene = load_scene(options.scene)
+    scene = load_scene(options.scene, options)
     model = scene.compile()
     found, notices = _structure(options.scene, scene, model)
     _print_heading(scene, model, found)

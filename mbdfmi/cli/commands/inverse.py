@@ -1,6 +1,6 @@
 """mbdfmi inverse: the efforts that a motion needs."""
 
-from ..arguments import SCENE, add_command, add_result_files, add_settings
+from ..arguments import add_command, add_result_files, add_scene, add_settings
 from ..paths import load_scene, result_files
 from ..settings import settings_of
 from ..show_results import show
@@ -25,7 +25,7 @@ rod that may spin between two balls) goes on freely; so does the rest with --hyb
   mbdfmi inverse arm.toml --motion reach.csv
   mbdfmi inverse four_bar.toml --motion run.csv --drive crank --csv torque.csv --plot torque.png""",
     )
-    command.add_argument("scene", **SCENE)
+    add_scene(command)
     command.add_argument(
         "--motion", required=True, metavar="FILE", help="table of joint coordinates over time (CSV)"
     )
@@ -49,7 +49,7 @@ def run(options):
     from ...run.results import Results
 
     csv, plot = result_files(options, options.scene, options.motion)
-    scene = load_scene(options.scene)
+    scene = load_scene(options.scene, options)
     motion = Results.from_csv(options.motion)
     inputs, parameters = settings_of(scene.compile(), options.set)
 

@@ -1,6 +1,6 @@
 """mbdfmi simulate: a run in process."""
 
-from ..arguments import SCENE, add_command, add_result_files, add_settings, add_view
+from ..arguments import add_command, add_result_files, add_scene, add_settings, add_view
 from ..paths import load_scene, result_files, view_file
 from ..settings import settings_of
 from ..show_results import show
@@ -27,7 +27,7 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
 
 `mbdfmi info SCENE --parameters` lists what --set can set.""",
     )
-    command.add_argument("scene", **SCENE)
+    add_scene(command)
     command.add_argument("--until", type=float, required=True, metavar="T", help="end of the run, s")
     command.add_argument(
         "--step",
@@ -45,7 +45,7 @@ def run(options):
     """Runs, and shows or writes what came of it."""
     csv, plot = result_files(options, options.scene)
     shown = view_file(options.view, options.scene, csv, plot)
-    scene = load_scene(options.scene)
+    scene = load_scene(options.scene, options)
     model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
 

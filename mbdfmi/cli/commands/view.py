@@ -1,7 +1,7 @@
 """mbdfmi view: a scene to look at."""
 
 from ...files import to_standard_output
-from ..arguments import SCENE, add_command, add_settings
+from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, view_file
 from ..settings import settings_of
 from ..terminal import doing_first, err, note, out
@@ -23,7 +23,7 @@ boxes of equal inertia, with sticks from joint to joint. For a motion: mbdfmi si
   mbdfmi view crane.toml -o crane.glb           for Blender and others
   mbdfmi view crane.toml --set boom.angle_start=0.5""",
     )
-    command.add_argument("scene", **SCENE)
+    add_scene(command)
     command.add_argument("-o", "--output", metavar="FILE", help=".html or .glb (default: opens the browser)")
     add_settings(command)
 
@@ -31,7 +31,7 @@ boxes of equal inertia, with sticks from joint to joint. For a motion: mbdfmi si
 def run(options):
     """Assembles it and shows it."""
     path = view_file(options.output, options.scene)
-    model = load_scene(options.scene).compile()
+    model = load_scene(options.scene, options).compile()
     inputs, parameters = settings_of(model, options.set)
 
     from ...view.show import at_start, show
