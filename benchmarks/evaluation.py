@@ -15,10 +15,7 @@ from rich.console import Group
 from rich.table import Table
 
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces
-from mbdfmi.kernels.dynamics import inertia, rates
-from mbdfmi.kernels.language import kernel
-from mbdfmi.kernels.motion import kinematics
+from mbdfmi.kernels import loops
 from mbdfmi.run.instance import Instance
 
 from .machine import machine, own_versions
@@ -34,25 +31,6 @@ FIT_FROM = 8
 SAME_PHYSICS = 1e-6
 OURS = "mbdfmi"
 UP_TO_ABA = "mbdfmi up to ABA"
-
-
-@kernel
-def evaluate_times(m, d, n):
-    """x' n times; a different x each time, so that nothing can be taken out of the loop."""
-    for _ in range(n):
-        d.x[0] += 1e-15
-        rates.evaluate(m, d, 0.0)
-
-
-@kernel
-def evaluate_up_to_aba_times(m, d, n):
-    """All that `evaluate` does before its last part, n times."""
-    for _ in range(n):
-        d.x[0] += 1e-15
-        rates.set_time(m, d, 0.0)
-        kinematics.kinematics(m, d)
-        inertia.inertias(m, d)
-        forces.apply(m, d)
 
 
 class Ours:
@@ -72,11 +50,11 @@ class Ours:
 
     def run(self, n):
         """Evaluate n times."""
-        evaluate_times(self.instance.m, self.instance.d, n)
+        loops.evaluations(self.instance.m, self.instance.d, n)
 
     def run_up_to_aba(self, n):
         """Kinematics, inertias and forces n times."""
-        evaluate_up_to_aba_times(self.instance.m, self.instance.d, n)
+        loops.preparations(self.instance.m, self.instance.d, n)
 
     def accelerations(self):
         """rad/s2 by link."""

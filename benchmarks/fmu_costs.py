@@ -14,8 +14,7 @@ import numpy as np
 
 from mbdfmi.api import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import entry
-from mbdfmi.kernels.language import kernel
+from mbdfmi.kernels import entry, loops
 from mbdfmi.run.instance import Instance
 
 from .problems import PROBLEMS
@@ -86,7 +85,7 @@ def _step_costs(scene, path, rounds):
         fmu.exitInitializationMode()
 
     def in_process():
-        return step_times(instance.m, instance.d, STEP, STEPS)
+        return loops.steps(instance.m, instance.d, STEP, STEPS)
 
     def native():
         return loop(fmu.component, STEP, STEPS)
@@ -115,18 +114,6 @@ def _step_costs(scene, path, rounds):
         shutil.rmtree(unzipped, ignore_errors=True)
 
     return best | {"added": best["fmu"] - best["in_process"]}
-
-
-@kernel
-def step_times(m, d, H, n):
-    """n steps of H (s). Returns a status."""
-    for _ in range(n):
-        failure = entry.step(m, d, H)
-
-        if failure != 0:
-            return failure
-
-    return 0
 
 
 def _fmu_loop(do_step):

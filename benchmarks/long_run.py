@@ -18,8 +18,7 @@ from rich.table import Column, Table
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.files import replacing
-from mbdfmi.kernels import entry
-from mbdfmi.kernels.language import kernel
+from mbdfmi.kernels import loops
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.instance import Instance, explain
 
@@ -55,26 +54,6 @@ STEPPERS = {
     "gauss": ("gauss", {"step": 0.2}),
     "ros2": ("ros2", {"step": 0.05}),
 }
-
-
-@kernel
-def run_points(m, d, y, H, n, first, widest):
-    """n communication steps of H (s), with outputs; widest[k] becomes the largest |y[k] - first[k]|. Returns
-    a status.
-    """
-    for _ in range(n):
-        failure = entry.step(m, d, H)
-
-        if failure == OK:
-            failure = entry.compute_outputs(m, d, y)
-
-        if failure != OK:
-            return failure
-
-        for k in range(len(y)):
-            widest[k] = max(widest[k], abs(y[k] - first[k]))
-
-    return OK
 
 
 @dataclass(frozen=True)
@@ -257,8 +236,8 @@ def _run(orbit: Orbit, name: str, periods: int, progress):
     first = instance.outputs().copy()
     widest = np.zeros(len(first))
 
-    # compiled before the clock starts
-    run_points(instance.m, instance.d, instance.y, 1.0, 0, first, widest)
+    # loaded before the clock starts
+    loops.widest(instance.m, instance.d, 1.0, 0, instance.y, first, widest)
     done, stopped = 0, None
     taken, errors = [], []
     drift = {key: [] for key in constants}
@@ -266,8 +245,8 @@ def _run(orbit: Orbit, name: str, periods: int, progress):
 
     for n in _samples(periods):
         widest[:] = 0.0
-        failure = run_points(
-            instance.m, instance.d, instance.y, orbit.period / POINTS, (n - done) * POINTS, first, widest
+        failure = loops.widest(
+            instance.m, instance.d, orbit.period / POINTS, (n - done) * POINTS, instance.y, first, widest
         )
 
         if failure != OK:

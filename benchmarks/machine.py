@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from mbdfmi.kernels.language import source_hash
+from mbdfmi.native.sources import source_hash
 
 
 def own_versions() -> dict[str, str]:

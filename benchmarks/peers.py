@@ -19,7 +19,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mbdfmi.files import replacing
-from mbdfmi.kernels.language import cache_directory
+from mbdfmi.native.sources import cache_directory
 
 from .mechanisms import GRAVITY, Link
 

@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import PrivateAttr
 
 from . import scene as _scene
+from .scene import SceneError as SceneError
 from .scene import reader
 from .scene.fields import adopted, given
 

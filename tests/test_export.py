@@ -7,19 +7,18 @@ import zipfile
 from pathlib import Path
 
 import fmpy
-import numba
 import numpy as np
 import pytest
 from elftools.elf.elffile import ELFFile
 from fmpy.validation import validate_fmu
 from lxml import etree
-from numba import types
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.compiler.variables import Variable, array_of, arrays, reference_table
 from mbdfmi.export import aot, description, export_fmu, package
 from mbdfmi.export.link import library
+from mbdfmi.native import library as native
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import read_scene
 from mbdfmi.units import UNITS
@@ -340,12 +339,12 @@ def fmi_functions():
     return names - {f"fmi2{name}" for name in model_exchange.split()}
 
 
-def test_only_fmi_functions_leave_the_library(linux_library):
+def test_only_fmi_functions_and_the_table_of_kernels_leave_the_library(linux_library):
     with linux_library.open("rb") as file:
         symbols = list(ELFFile(file).get_section_by_name(".dynsym").iter_symbols())
 
     exported = {s.name for s in symbols if s["st_shndx"] != "SHN_UNDEF"}
-    assert exported == fmi_functions()
+    assert exported == fmi_functions() | {native.TABLE}
 
 
 def test_library_needs_only_an_old_c_library(linux_library):
@@ -363,20 +362,12 @@ def test_library_needs_only_an_old_c_library(linux_library):
 
 
 def test_kernels_that_do_not_compile(monkeypatch):
-    monkeypatch.setattr(aot, "ENTRIES", "mbdfmi.kernels.math.algebra:NOTHING")
-    with pytest.raises(aot.CompileError, match="has no attribute 'NOTHING'"):
-        aot.compile_entries()
+    monkeypatch.setattr(aot, "MODULE", "mbdfmi.kernels.nowhere")
+    with pytest.raises(aot.CompileError, match="No module named mbdfmi.kernels.nowhere"):
+        aot.compile_kernels()
 
 
-def test_reference_counting_is_left_out():
-    """numba's arrays bring calls of its runtime, which an FMU does not have."""
-
-    @numba.njit
-    def total(numbers):
-        array = numba.carray(numbers, 3)
-        return array[0] + array[1] + array[2]
-
-    signature = types.float64(types.CPointer(types.float64))
-    ir = aot.module_of({"total": (total, signature)})
-    assert "NRT_" in total.inspect_llvm(signature.args)
-    assert "define hidden" in ir and "@total(" in ir and "NRT_" not in ir
+def test_kernels_that_changed_meanwhile(monkeypatch):
+    monkeypatch.setattr(aot, "source_hash", lambda: "of before")
+    with pytest.raises(aot.CompileError, match="have changed since this program began"):
+        aot.compile_kernels()

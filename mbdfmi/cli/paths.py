@@ -6,12 +6,12 @@ from pathlib import Path
 
 from ..files import same, to_standard_output
 from .arguments import urdf_options
-from .terminal import note
+from .terminal import compile_first, note
 
 
 def load_scene(file, options=None):
     """The scene of a file; `options` of the command line that are for URDF files. What such a file leaves
-    open is told. Raises SceneError; ValueError for an FMU.
+    open is told; the kernels are compiled by then. Raises SceneError; ValueError for an FMU.
     """
     from ..api import load
 
@@ -22,6 +22,7 @@ def load_scene(file, options=None):
 
     scene = load(file, **urdf_options(options))
     note(f"{file}: {text}" for text in scene.import_notes)
+    compile_first()
     return scene
 
 

@@ -1,6 +1,6 @@
 """NAME=VALUE on the command line: inputs and parameters of a model."""
 
-import numpy as np
+import math
 
 from .tables import count
 
@@ -23,7 +23,7 @@ def settings_of(model, settings):
         except ValueError:
             numbers = []
 
-        if not (name and numbers and np.all(np.isfinite(numbers))):
+        if not (name and numbers and all(map(math.isfinite, numbers))):
             raise ValueError(
                 f"--set {setting}: write NAME=VALUE with a number, as in --set shoulder.torque=5"
             )

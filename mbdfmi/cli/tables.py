@@ -1,8 +1,5 @@
 """Tables and numbers on the terminal."""
 
-from rich import box
-from rich.table import Table
-
 from .terminal import out
 
 
@@ -11,6 +8,9 @@ def table_of(*headings, numbers=()):
 
     The first column holds names, which stay whole; others wrap where the terminal is narrow.
     """
+    from rich import box
+    from rich.table import Table
+
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0), show_edge=False)
 
     for k, heading in enumerate(headings):

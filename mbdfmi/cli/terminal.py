@@ -2,15 +2,29 @@
 
 import sys
 from contextlib import contextmanager
+from functools import cached_property
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-# names and titles are free text: nothing in them is markup, an emoji or to be coloured
-out = Console(markup=False, highlight=False, emoji=False)
-err = Console(markup=False, highlight=False, emoji=False, stderr=True)
+class _Terminal:
+    """A console of rich's, which is imported when it is first asked for something."""
 
-COMPILING = "compiling the kernels, once per version (some minutes)"
+    def __init__(self, stderr=False):
+        self._stderr = stderr
+
+    @cached_property
+    def console(self):
+        """The console itself."""
+        from rich.console import Console
+
+        # names and titles are free text: nothing in them is markup, an emoji or to be coloured
+        return Console(markup=False, highlight=False, emoji=False, stderr=self._stderr)
+
+    def __getattr__(self, name):
+        return getattr(self.console, name)
+
+
+out = _Terminal()
+err = _Terminal(stderr=True)
 
 
 def carry_out(parser, arguments=None) -> int:
@@ -80,33 +94,33 @@ def doing(text):
 
 
 @contextmanager
-def doing_first(text):
-    """Shows what may have to wait for the kernels."""
-    if err.is_terminal or not kernels_are_compiled():
-        with doing(text if kernels_are_compiled() else COMPILING):
+def doing_here(text):
+    """Shows on a terminal what takes some time."""
+    if err.is_terminal:
+        with err.status(text):
             yield
     else:
         yield
 
 
-def kernels_are_compiled():
-    """Whether an in-process run can start at once."""
-    from ..kernels.language import INTERPRETED, cache_directory, source_hash
+def compile_first():
+    """Makes the library of the kernels if it is not there yet, and shows that."""
+    from ..kernels import language
+    from ..native import library as native
 
-    return INTERPRETED or any((cache_directory() / "jit" / source_hash()).rglob("*.nbc"))
+    if not (language.INTERPRETED or language.JIT or native.find()):
+        with doing("looking for compiled kernels") as tell:
+            native.ready(tell)
 
 
 @contextmanager
 def time_bar(until):
     """A bar over the simulated time; yields a function to call with the time reached (s)."""
-    text = "simulating" if kernels_are_compiled() else COMPILING
-
     if not err.is_terminal:
-        if text == COMPILING:
-            err.print(text)
-
         yield None
         return
+
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
         TextColumn("{task.description}"),
@@ -115,6 +129,6 @@ def time_bar(until):
         TimeRemainingColumn(),
     )
 
-    with Progress(*columns, console=err, transient=True) as bar:
-        task = bar.add_task(text, total=until)
-        yield lambda time: bar.update(task, completed=time, description="simulating")
+    with Progress(*columns, console=err.console, transient=True) as bar:
+        task = bar.add_task("simulating", total=until)
+        yield lambda time: bar.update(task, completed=time)

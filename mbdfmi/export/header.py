@@ -7,12 +7,12 @@ import inspect
 import re
 from collections.abc import Iterable
 
-from numba import types
-
 from ..compiler.model import SEALED_SIZES
 from ..compiler.variables import KINDS, TABLE
-from ..kernels import entry, layout, status, views
+from ..kernels import entry, layout, loops, signatures, status, views
+from ..kernels.language import APART
 from ..kernels.motion.commands import N_DERIVATIVE
+from ..native.library import TABLE as TABLE_NAME
 from . import resource
 from .description import LOG_CATEGORIES
 
@@ -20,8 +20,8 @@ NAME = "layout.h"
 
 _BUFFERS = ("ints", "reals", "state", "work")
 _CODES = ("OK", "STIFF", "NOT_STIFF", "OUTPUT_NOT_FINITE")  # that the wrapper treats in a way of its own
-_TYPES = {types.int64: "int64_t ", types.float64: "double ", views.REALS: "double *"}
-_VIEWS = {views.MODEL: ("m", views.ModelView), views.DATA: ("d", views.DataView)}
+_TYPES = {signatures.int64: "int64_t ", signatures.float64: "double ", signatures.REALS: "double *"}
+_VIEWS = {signatures.MODEL: ("m", views.ModelView), signatures.DATA: ("d", views.DataView)}
 
 
 def layout_header() -> str:
@@ -35,6 +35,38 @@ def layout_header() -> str:
             "#endif\n",
         ]
     )
+
+
+def table_of_kernels() -> str:
+    """The text of a C file: a table of all kernels that stand apart, by which a process that loads the library calls them.
+
+    One symbol, not one for each kernel: those of two libraries in a process cannot be taken for each other.
+    """
+    assert loops  # all that stand apart are there once it is
+    names = sorted(APART)
+    declared = "\n".join(f"void {name}(void);" for name in names)
+    rows = "\n".join(f'    {{"{name}", {name}}},' for name in names)
+    return f"""/* Written by {__name__} when a library is linked. */
+#ifdef _WIN32
+#define SHOWN __declspec(dllexport)
+#else
+#define SHOWN __attribute__((visibility("default")))
+#endif
+
+/* Of whatever signature: native/library.py knows them. */
+{declared}
+
+typedef struct {{
+    const char *name;
+    void (*kernel)(void);
+}} Row;
+
+extern const Row {TABLE_NAME}[];
+SHOWN const Row {TABLE_NAME}[] = {{
+{rows}
+    {{0, 0}},
+}};
+"""
 
 
 def _enum(names: Iterable[str], first: int = 0) -> str:
@@ -101,8 +133,9 @@ def _entries() -> str:
         buffers = ", ".join(f"(c)->{buffer}" for buffer in view.buffer_names)
         lines.append(f"#define {name.upper()}_OF(c) {buffers}\n")
 
-    for name, (kernel, signature) in entry.ENTRIES.items():
-        given = inspect.signature(getattr(kernel, "py_func", kernel)).parameters
+    for name, kernel in entry.ENTRIES.items():
+        signature = kernel.signature
+        given = inspect.signature(kernel).parameters
         arguments = [_argument(kind, argument) for kind, argument in zip(signature.args, given)]
         result = f"{_TYPES[signature.return_type]}*status"
         lines.append(f"\nint32_t {name}({', '.join([result, 'void **excinfo', *arguments])});\n")

@@ -10,43 +10,13 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
-
-import fmpy
 
 from ..files import replacing
-from ..kernels.language import cache_directory, source_hash
+from ..native import library as native
+from ..native.platforms import PLATFORMS, Platform
+from ..native.sources import cache_directory, source_hash
 from . import aot, header
-
-
-class Platform(NamedTuple):
-    """What zig calls a platform, and where the library of an FMU for it lies."""
-
-    target: str
-    folders: tuple[str, ...]  # below binaries/ in FMI 2
-    folder3: str  # in FMI 3
-    suffix: str
-    flags: tuple[str, ...] = ()
-
-
-# what a library is called inside it: by default the path of the folder it was linked in
-_MACOS = ("-Wl,-install_name,@rpath/fmu.dylib",)
-
-PLATFORMS: dict[str, Platform] = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), "x86_64-linux", ".so"),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), "aarch64-linux", ".so"),
-    "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), "x86_64-windows", ".dll"),
-    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), "x86_64-darwin", ".dylib", _MACOS),
-    "aarch64-macos": Platform(
-        "aarch64-macos", ("aarch64-darwin", "darwin64"), "aarch64-darwin", ".dylib", _MACOS
-    ),
-}
-"""Platforms that a library can be linked for, on any of them.
-
-darwin64 is Intel's by the standard, but some tools look nowhere else on the newer Macs.
-"""
 
 FLAGS = (
     "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-z,defs", "-s",
@@ -60,7 +30,7 @@ class LinkError(Exception):
 
 
 def library(platform: str, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU library for a platform (a key of PLATFORMS): from the cache, or built into it.
+    """The FMU library for a platform (a key of PLATFORMS): that of the package, from the cache, or built into it.
 
     `progress` is told in a few words when something takes long. Raises aot.CompileError,
     LinkError, and ValueError for a platform that is not known.
@@ -68,23 +38,41 @@ def library(platform: str, progress: Callable[[str], None] = lambda text: None) 
     if platform not in PLATFORMS:
         raise ValueError(f"unknown platform '{platform}': known are {', '.join(PLATFORMS)}")
 
-    kernel_key = _hash([Path(aot.__file__)], source_hash(), f"llvmlite {version('llvmlite')}")
-    key = _hash(_wrapper_files(), kernel_key, header.layout_header(), f"ziglang {version('ziglang')}")
+    name = library_name(platform)
 
-    kernels = cache_directory() / "fmu" / f"{kernel_key}.ll"
-    result = cache_directory() / "fmu" / f"{key}-{platform}{PLATFORMS[platform].suffix}"
+    for folder in native.folders():
+        if (folder / name).exists():
+            return folder / name
 
-    if not result.exists():
-        if not kernels.exists():
-            progress("compiling the kernels (once per version)")
-            with replacing(kernels) as file:
-                file.write_text(aot.compile_entries())
+    result = cache_directory() / "fmu" / name
+    kernels = _kernels(progress)
+    progress(f"linking for {platform} (once per version)")
 
-        progress(f"linking for {platform} (once per version)")
-        with replacing(result) as file:
-            _link(PLATFORMS[platform], kernels, file)
+    with replacing(result) as file:
+        _link(PLATFORMS[platform], kernels, file)
 
     return result
+
+
+def library_name(platform: str) -> str:
+    """What the library for a platform is called: by the sources of the kernels, and by those of the rest."""
+    rest = _hash(_wrapper_files(), header.layout_header())
+    return f"{source_hash()}-{rest}-{platform}{PLATFORMS[platform].suffix}"
+
+
+def _kernels(progress):
+    """The compiled kernels (LLVM IR), from the cache or made into it."""
+    names = [f"{source_hash()}-{half}.ll" for half in range(aot.HALVES)]
+    files = [cache_directory() / "fmu" / name for name in names]
+
+    if not all(file.exists() for file in files):
+        progress("compiling the kernels (once per version: a minute or two)")
+
+        for path, text in zip(files, aot.compile_kernels()):
+            with replacing(path) as file:
+                file.write_text(text)
+
+    return files
 
 
 def wrapper_folder() -> Path:
@@ -97,6 +85,8 @@ def wrapper_folder() -> Path:
 
 def _headers() -> Path:
     """The folder of the FMI headers, which fmpy carries."""
+    import fmpy
+
     return Path(fmpy.__file__).parent / "c-code"
 
 
@@ -118,11 +108,13 @@ def _hash(files: list[Path], *texts: str) -> str:
     return digest.hexdigest()[:20]
 
 
-def _link(platform: Platform, kernels: Path, library: Path) -> None:
+def _link(platform: Platform, kernels: list[Path], library: Path) -> None:
     """Links a platform's library from the wrapper and the kernels (LLVM IR)."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / f"fmu{platform.suffix}"
-        sources = [*sorted(wrapper_folder().glob("*.c")), kernels]
+        table = Path(folder) / "table.c"
+        table.write_text(header.table_of_kernels())
+        sources = [*sorted(wrapper_folder().glob("*.c")), table, *kernels]
         (Path(folder) / header.NAME).write_text(header.layout_header())
         command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS, *platform.flags]
         command += [f"-I{folder}", f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]

@@ -1,17 +1,17 @@
 """The FMU: an archive of description, library, resources, documentation and icon."""
 
 import os
-import platform as host
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
+from ..native.platforms import PLATFORMS, host_platform
 from .description import description, generation_time
 from .description3 import description3
 from .documentation import documentation
-from .link import PLATFORMS, library
+from .link import library
 from .resource import NAME, resource
 
 DESCRIPTIONS = {2: description, 3: description3}
@@ -29,7 +29,7 @@ def export_fmu(
 ) -> Path:
     """Write a model as an FMU for co-simulation and return its path.
 
-    platforms   keys of link.PLATFORMS; default: the machine's own
+    platforms   keys of mbdfmi.native.platforms.PLATFORMS; default: the machine's own
     fmi         version of FMI: 2 (2.0) or 3 (3.0)
     scene_file  the file that the model was read from, to go with the FMU in resources/
     progress    is told in a few words when something takes long
@@ -66,19 +66,6 @@ def export_fmu(
 
     _write_archive(path, files)
     return path
-
-
-def host_platform() -> str:
-    """The key of link.PLATFORMS for this machine; ValueError when it has none."""
-    machine, system = host.machine().lower(), host.system().lower()
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
-    system = {"darwin": "macos"}.get(system, system)
-    name = f"{machine}-{system}"
-
-    if name not in PLATFORMS:
-        raise ValueError(f"no FMU can be made for {name} yet: known are {', '.join(PLATFORMS)}")
-
-    return name
 
 
 def _write_archive(path: Path, files: dict[str, bytes]) -> None:

@@ -1,25 +1,23 @@
 """What an FMU, or an in-process run, calls. Each takes m and d and returns a status.
 
-`ENTRIES` is the table that ahead-of-time compiling works from.
+`ENTRIES` are those that the C wrapper knows.
 """
 
 import math
-
-from numba import types
 
 from . import forces, joints, notes, outputs
 from .dynamics import assembly, forward, inertia, projection, rates, reactions, rows
 from .forces import struts
 from .joints import virtual
-from .language import inlined, kernel
+from .language import apart, inlined
 from .motion import commands, drives, kinematics
 from .prepare import prepare
+from .signatures import DATA, MODEL, REALS, float64, int64
 from .status import BAD_START_ORIENTATION, BAD_STEP, OK, OUTPUT_NOT_FINITE, status
 from .steppers import integrate
-from .views import DATA, MODEL, REALS
 
 
-@kernel
+@apart(int64(MODEL, DATA, float64), "mbdfmi_initialise")
 def initialise(m, d, t0):
     """The state at the start time t0 (s) from the start values. Returns a status."""
     d.time[0] = t0
@@ -55,7 +53,7 @@ def advance_time(d, h):
     d.time[0] = t
 
 
-@kernel
+@apart(int64(MODEL, DATA, float64), "mbdfmi_step")
 def step(m, d, H):
     """Advance the state, and the inputs by their derivatives and commands, by H (s). Returns a status.
 
@@ -77,7 +75,7 @@ def step(m, d, H):
     return failure
 
 
-@kernel
+@apart(int64(MODEL, DATA, REALS), "mbdfmi_outputs")
 def compute_outputs(m, d, y):
     """All outputs y[n_y] of the state and the inputs (their values alone) now, all finite, or a failure. Returns a status."""
     failure = OK
@@ -122,10 +120,10 @@ def compute_outputs(m, d, y):
     return failure
 
 
-# in native code a view is the addresses of its buffers, in their order (see views.py)
 ENTRIES = {
-    "mbdfmi_prepare": (prepare, types.int64(MODEL, DATA)),
-    "mbdfmi_initialise": (initialise, types.int64(MODEL, DATA, types.float64)),
-    "mbdfmi_step": (step, types.int64(MODEL, DATA, types.float64)),
-    "mbdfmi_outputs": (compute_outputs, types.int64(MODEL, DATA, REALS)),
+    "mbdfmi_prepare": prepare,
+    "mbdfmi_initialise": initialise,
+    "mbdfmi_step": step,
+    "mbdfmi_outputs": compute_outputs,
 }
+"""What the C wrapper calls. In native code a view is the addresses of its buffers, in their order (see views.py)."""

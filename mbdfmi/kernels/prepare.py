@@ -3,8 +3,9 @@
 import math
 
 from .forces import six_by_six
-from .language import inlined, kernel
+from .language import apart, inlined
 from .math import algebra as al
+from .signatures import DATA, MODEL, int64
 from .status import (
     BAD_ABSOLUTE_TOLERANCE,
     BAD_INERTIA,
@@ -110,7 +111,7 @@ def find_lightness(m, d):
     d.lightness[0] = least / most if most > 0.0 else 1.0
 
 
-@kernel
+@apart(int64(MODEL, DATA), "mbdfmi_prepare")
 def prepare(m, d):
     """To be called after any parameter changed: node inertias from the solids' and the added masses, into the state. Returns a status."""
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

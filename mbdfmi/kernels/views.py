@@ -3,48 +3,31 @@
 `m` (ModelView) names the arrays of `ints` and `reals`, which a kernel only reads; `d` (DataView) those of
 `state`, `work` and the inputs `u`. `m.body_parent`, `d.x` are the arrays of the layout table, `m.n_body` its counts.
 
-In Python a view gives numpy arrays. In compiled code it is nothing but the buffers' addresses: an array is
-a bare pointer, found when it is used from an offset in the header that the compiler may take for
-constant. (A NamedTuple of 200 numpy arrays was tried: 7 machine words an array, 25 s to compile four
-tiny kernels.)
+In Python a view gives numpy arrays. In compiled code (see `compiled_views`) it is nothing but the buffers' addresses.
 """
 
-import llvmlite.ir as ir
 import numpy as np
-from numba import types
-from numba.core import cgutils
-from numba.core.typing.templates import AttributeTemplate
-from numba.extending import (
-    NativeValue,
-    infer_getattr,
-    lower_getattr_generic,
-    models,
-    register_model,
-    typeof_impl,
-    unbox,
-)
 
-from .language import load_apart
 from .layout import COUNTS, ARRAY, SLOT, array_length
-
-INTS = types.CPointer(types.int64)
-REALS = types.CPointer(types.float64)
 
 
 class _View:
     """The arrays of some buffers by name."""
 
     buffer_names: tuple[str, ...] = ()
+    addresses_name = ""  # of the tuple of the buffers' addresses, which native code takes
 
     def __init__(self, **buffers):
-        load_apart()
-
         for name in self.buffer_names:
             array = buffers[name]
             dtype = np.int64 if name == "ints" else np.float64
             assert array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1, name
             setattr(self, f"{name}_buffer", array)
             setattr(self, f"{name}_address", array.ctypes.data)
+
+        setattr(
+            self, self.addresses_name, tuple(getattr(self, f"{name}_address") for name in self.buffer_names)
+        )
 
         ints = self.ints_buffer
         counts = {name: int(ints[k]) for k, name in enumerate(COUNTS)}
@@ -61,6 +44,7 @@ class ModelView(_View):
     """`m`: structure and parameters. Buffers: ints (int64) and reals (float64), one-dimensional."""
 
     buffer_names = ("ints", "reals")
+    addresses_name = "model_addresses"
 
 
 class DataView(_View):
@@ -70,72 +54,4 @@ class DataView(_View):
     """
 
     buffer_names = ("ints", "state", "work", "u")
-
-
-class _ViewType(types.Type):
-    def __init__(self, view):
-        self.view = view
-        super().__init__(name=view.__name__)
-
-
-_TYPES = {view: _ViewType(view) for view in (ModelView, DataView)}
-MODEL, DATA = _TYPES[ModelView], _TYPES[DataView]
-
-
-@typeof_impl.register(_View)
-def _typeof_view(value, context):
-    return _TYPES[type(value)]
-
-
-@register_model(_ViewType)
-class _ViewData(models.StructModel):
-    def __init__(self, dmm, fe_type):
-        members = [(name, INTS if name == "ints" else REALS) for name in fe_type.view.buffer_names]
-        super().__init__(dmm, fe_type, members)
-
-
-@unbox(_ViewType)
-def _unbox_view(typ, obj, c):
-    struct = cgutils.create_struct_proxy(typ)(c.context, c.builder)
-
-    for name in typ.view.buffer_names:
-        address = c.pyapi.object_getattr_string(obj, f"{name}_address")
-        value = c.pyapi.long_as_ulonglong(address)
-        c.pyapi.decref(address)
-        pointer = getattr(struct, name).type
-        setattr(struct, name, c.builder.inttoptr(value, pointer))
-
-    return NativeValue(struct._getvalue(), is_error=cgutils.is_not_null(c.builder, c.pyapi.err_occurred()))
-
-
-@infer_getattr
-class _ViewAttribute(AttributeTemplate):
-    key = _ViewType
-
-    def generic_resolve(self, typ, name):
-        if name in COUNTS:
-            return types.int64
-
-        if name == "u_buffer" and "u" in typ.view.buffer_names:
-            return REALS
-
-        if name in ARRAY and ARRAY[name].buffer in typ.view.buffer_names:
-            return INTS if ARRAY[name].buffer == "ints" else REALS
-
-
-@lower_getattr_generic(_ViewType)
-def _view_attribute(context, builder, typ, value, name):
-    struct = cgutils.create_struct_proxy(typ)(context, builder, value=value)
-
-    def header(slot):
-        load = builder.load(builder.gep(struct.ints, [ir.Constant(ir.IntType(64), slot)]))
-        load.set_metadata("invariant.load", builder.module.add_metadata([]))
-        return load
-
-    if name == "u_buffer":
-        return struct.u
-
-    if name in COUNTS:
-        return header(COUNTS.index(name))
-
-    return builder.gep(getattr(struct, ARRAY[name].buffer), [header(SLOT[name])])
+    addresses_name = "data_addresses"

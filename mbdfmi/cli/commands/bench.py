@@ -2,14 +2,12 @@
 
 from contextlib import contextmanager
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
 from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, result_files
 from ..settings import settings_of
 from ..tables import table_of
-from ..terminal import COMPILING, err, kernels_are_compiled, out
+from ..terminal import err, out
 
 DOUBTFUL = 1e-6
 """Doubt of the reference run from which on it is told."""
@@ -103,12 +101,11 @@ def run(options):
 @contextmanager
 def _bar():
     """A bar over the settings; yields a function to call with the part done and what comes next."""
-    if not kernels_are_compiled():
-        err.print(COMPILING)
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}", justify="right"), BarColumn(), TimeRemainingColumn())
 
-    with Progress(*columns, console=err, transient=True) as bar:
+    with Progress(*columns, console=err.console, transient=True) as bar:
         task = bar.add_task("preparing", total=1.0)
         yield lambda part, text: bar.update(task, completed=part, description=text)
 

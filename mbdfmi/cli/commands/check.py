@@ -3,9 +3,8 @@
 from pathlib import Path
 
 from ..arguments import URDF, add_command, add_urdf
-from ..fmu_check import check_fmu
 from ..paths import load_scene
-from ..terminal import COMPILING, doing, kernels_are_compiled, note, out
+from ..terminal import doing_here, note, out
 
 
 def add(commands):
@@ -25,8 +24,15 @@ run for a few steps. All mistakes found are printed; the exit status is 1 then."
 def run(options):
     """Raises what was found."""
     path = Path(options.file)
-    notes = check_fmu(path) if path.suffix.lower() == ".fmu" else _check_scene(path, options)
+    notes = _check_fmu(path) if path.suffix.lower() == ".fmu" else _check_scene(path, options)
     out.print(f"{path}: no mistakes found{notes}", soft_wrap=True)
+
+
+def _check_fmu(path):
+    """Validates an FMU and runs it for a few steps."""
+    from ..fmu_check import check_fmu
+
+    return check_fmu(path)
 
 
 def _check_scene(path, options):
@@ -35,10 +41,7 @@ def _check_scene(path, options):
 
     from ...run.instance import Instance
 
-    with doing(f"{path}: starting its motion") as tell:
-        if not kernels_are_compiled():
-            tell(COMPILING)
-
+    with doing_here(f"{path}: starting its motion"):
         instance = Instance(model)
         instance.outputs()
         instance.step(1e-3)

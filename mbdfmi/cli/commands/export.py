@@ -90,7 +90,7 @@ def run(options):
 
 def _platforms(given):
     """Names of platforms as `export` takes them. Raises ValueError for one that is unknown."""
-    from ...export.link import PLATFORMS
+    from ...native.platforms import PLATFORMS
 
     if "all" in (given or []):
         return list(PLATFORMS)

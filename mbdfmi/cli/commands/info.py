@@ -3,12 +3,10 @@
 import re
 from itertools import groupby
 
-import numpy as np
-
 from ..arguments import add_command, add_scene
 from ..paths import load_scene
 from ..tables import count, print_table, table_of, vector
-from ..terminal import doing_first, err, note, out
+from ..terminal import doing_here, err, note, out
 
 
 def add(commands):
@@ -96,7 +94,7 @@ def _structure(path, scene, model):
     """The scene's Structure, and notices of its start; None, and why, where its loops cannot be closed."""
     from ...run.instance import Instance, SimulationError
 
-    with doing_first(f"{path}: looking at its freedoms"):
+    with doing_here(f"{path}: looking at its freedoms"):
         try:
             return scene.structure(), Instance(model).notices
         except SimulationError as error:
@@ -170,4 +168,4 @@ def _values(numbers):
     if len(numbers) <= 6:
         return vector(numbers)
 
-    return f"{len(numbers)} numbers, {np.count_nonzero(numbers)} not zero"
+    return f"{len(numbers)} numbers, {sum(number != 0.0 for number in numbers)} not zero"

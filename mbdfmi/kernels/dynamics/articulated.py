@@ -10,14 +10,12 @@ Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T a
 articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.
 """
 
-from numba.types import boolean, int64, void
-
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import kinematics, markers
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, boolean, int64, void
 from . import inertia, multipliers, rows
 
 

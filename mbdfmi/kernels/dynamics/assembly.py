@@ -6,14 +6,12 @@ First everything given is held. Where the loops cannot close so, the least is gi
 one by one, those first that stay nearest to their values when all of them may move, but unwillingly.
 """
 
-from numba.types import int64
-
 from .. import joints
 from ..end_frames import touching
 from ..language import apart, inlined, kernel
 from ..motion import drives, kinematics, markers
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, int64
 from . import forward, holding, projection, redundancy, rows, start_positions, start_velocities
 from .projection import (
     keep_x,

@@ -6,7 +6,6 @@ articulated-body passes leave: x_rate, the bodies' accelerations, whitened respo
 
 import math
 
-from numba.types import boolean, int64, void
 
 from .. import joints
 from ..joints import passing, rotors, virtual
@@ -14,7 +13,7 @@ from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import kinematics, markers
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, boolean, int64, void
 from . import inertia, inverse, multipliers, rows
 
 # a body takes part in a motion when it moves at more than this part of the fastest

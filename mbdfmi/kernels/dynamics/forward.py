@@ -2,12 +2,11 @@
 
 import math
 
-from numba.types import boolean, int64, void
 
 from ..joints import virtual
 from ..language import apart, inlined, kernel
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, boolean, int64, void
 from . import articulated, embedding, inertia, massless, multipliers, rows
 
 # of what parts are lent, to see what they have

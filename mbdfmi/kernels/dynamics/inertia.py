@@ -4,13 +4,11 @@ Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T a
 articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.
 """
 
-from numba.types import void
-
 from ..forces import added_mass
 from ..joints import rotors, virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import holding
 
 

@@ -1,14 +1,12 @@
 """Inverse dynamics: what passes through the joints, and their efforts (RNEA; docs/theory.md 6.1)."""
 
-from numba.types import void
-
 from .. import joints
 from ..forces import added_mass
 from ..joints import passing, rotors
 from ..language import apart, kernel
 from ..math import algebra as al
 from ..motion import kinematics
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import inertia
 
 

@@ -9,14 +9,13 @@ along it, there is no such motion; where nothing does, as about the axis of a ro
 
 import math
 
-from numba.types import int64, void
 
 from .. import joints
 from ..joints import virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..status import NOT_FINITE, OK, SINGULAR_INERTIA, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, int64, void
 from . import articulated, embedding, multipliers
 
 MAX_ITERATIONS = 200

@@ -6,12 +6,11 @@ whose pivot is a small part of their diagonal: they follow from rows before them
 
 import math
 
-from numba.types import boolean, void
 
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, boolean, void
 from . import rows
 
 # a row is dropped when what it adds to the rows before it is this small beside its reference (see row_reference): squared

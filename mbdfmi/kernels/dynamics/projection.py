@@ -2,7 +2,6 @@
 
 import math
 
-from numba.types import float64, int64
 
 from .. import joints
 from ..end_frames import touching
@@ -10,7 +9,7 @@ from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import coordinates, drives, kinematics
 from ..status import LOOP_OPEN, NOT_FINITE, OK, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, float64, int64
 from . import forward, multipliers, rows
 from .rates import is_finite
 

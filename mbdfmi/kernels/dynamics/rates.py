@@ -1,12 +1,10 @@
 """x' = f(t, x, u): what every stepper integrates (docs/theory.md 18.1)."""
 
-from numba.types import float64, int64
-
 from .. import forces, joints
 from ..end_frames import touching
 from ..language import apart, inlined
 from ..motion import commands, coordinates, drives, kinematics
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, float64, int64
 from . import forward, inertia
 
 

@@ -2,14 +2,13 @@
 
 import math
 
-from numba.types import void
 
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import drives, kinematics
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import forward, given, holding, multipliers, projection, rows, start_positions
 from .projection import (
     close_gaps,

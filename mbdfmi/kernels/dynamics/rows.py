@@ -10,13 +10,12 @@ of the first body that is where the second's is (docs/theory.md 9.1).
 
 import math
 
-from numba.types import void
 
 from ..end_frames import frames, touching
 from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import coordinates, drives, markers
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 
 POINT = 0  # d stays normal to axis i of a
 DOT = 1  # the cosine of the angle from axis i of a to axis j of b stays value: 0, normal to each other

@@ -6,14 +6,13 @@ one by one, those first that stay nearest to their values when all of them may m
 
 import math
 
-from numba.types import float64, int64
 
 from .. import joints
 from ..end_frames import touching
 from ..language import apart, inlined, kernel
 from ..motion import coordinates
 from ..status import LOOP_OPEN, OK, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, float64, int64
 from . import forward, given, holding, rows
 from .holding import POSITION
 from .projection import (

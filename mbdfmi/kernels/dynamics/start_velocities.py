@@ -1,12 +1,10 @@
 """Velocities of the start: what the rows allow, what was given kept wherever it can be (docs/theory.md 13.4)."""
 
-from numba.types import boolean
-
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..motion import kinematics
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, boolean
 from . import forward, given, holding, rows, start_positions
 from .holding import VELOCITY
 from .projection import (

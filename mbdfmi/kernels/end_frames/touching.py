@@ -18,12 +18,11 @@ that is at the contact.
 import math
 from typing import NamedTuple
 
-from numba.types import void
 
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import coordinates, markers
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import curves, surfaces
 
 Vector = tuple[float, float, float]

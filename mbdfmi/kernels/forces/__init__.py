@@ -12,11 +12,9 @@ so that power = supplied - dissipated - the rate of the energy, which one test a
 its rows in layout.py, a line in each list below (docs/contributing.md).
 """
 
-from numba.types import void
-
 from ..language import apart, kernel
 from ..motion import coordinates
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import (
     central_gravity,
     effort_inputs,

@@ -12,12 +12,10 @@ BODY, the second marker's, for a body deep in water: Kirchhoff's equations (Lamb
 All three keep the energy 1/2 V^T A V + what acts on the body. In `dynamics/inertia.py` it is part of the body's inertia (I, H, M), about the origin.
 """
 
-from numba.types import void
-
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import six_by_six
 from .six_by_six import BODY, FIRST, HEADING
 

@@ -6,12 +6,11 @@ held (its acceleration is given, hybrid dynamics); one that closes a loop is dri
 
 import math
 
-from numba.types import void
 
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..math import tables
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 from . import courses, ellipses, rotations
 
 # of one coordinate; drive_value:

@@ -5,12 +5,10 @@ Every spatial quantity is in inertial axes about the origin of its own body, and
 shifts by `arm` (docs/theory.md 1.4 and 3.1).
 """
 
-from numba.types import void
-
 from .. import joints
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, void
 
 
 @apart(void(MODEL, DATA))

@@ -3,14 +3,12 @@
 A method is a file with `step`, which leaves x a step later in d.x or tells why not, and a line in `step` here.
 """
 
-from numba.types import Tuple, float64, int64
-
 from ...steppers import STEPPERS
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import is_finite, set_time
 from ..language import apart, inlined
 from ..status import NOT_FINITE, OK, TOO_MUCH_WORK, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, Tuple, float64, int64
 from . import control, gauss, rk4, ros2
 
 RK4, ROS2, GAUSS = (STEPPERS[name].number for name in ("rk4", "ros2", "gauss"))

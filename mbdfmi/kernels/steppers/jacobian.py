@@ -2,12 +2,11 @@
 
 import math
 
-from numba.types import float64, int64
 
 from ..dynamics.rates import evaluate
 from ..language import apart, kernel
 from ..status import OK
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, float64, int64
 from . import control
 
 # of the states

@@ -2,7 +2,6 @@
 
 import math
 
-from numba.types import Tuple, boolean, float64, int64
 
 from .. import joints
 from ..dynamics.projection import keep_x, project, restore_x
@@ -10,7 +9,7 @@ from ..dynamics.rates import evaluate, is_finite, set_time, store_rate
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
 from . import control, memory
 from .tableaux import (
     DENSE,

@@ -8,7 +8,6 @@ steps and communication points, and found anew when the iteration says that it i
 import math
 
 import numpy as np
-from numba.types import Tuple, boolean, float64, int64
 
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, is_finite, store_rate
@@ -16,7 +15,7 @@ from ..language import apart, inlined, kernel
 from ..math import linear
 from ..motion import coordinates
 from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
-from ..views import DATA, MODEL
+from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
 from ...steppers import STEPPERS
 from . import control, memory
 from .jacobian import LU_WORK, find_jacobian, spectral_radius
