@@ -6,7 +6,6 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import fmpy
 from lxml import etree
 
 from ..units import UNITS
@@ -93,7 +92,7 @@ def generation_time() -> datetime:
 @cache
 def _schema(fmi: int) -> etree.XMLSchema:
     """The schema of a version of FMI, which fmpy carries."""
-    folder = Path(fmpy.__file__).parent / "schema" / f"fmi{fmi}"
+    folder = standard.folder() / "schema" / f"fmi{fmi}"
 
     return etree.XMLSchema(file=str(folder / f"fmi{fmi}ModelDescription.xsd"))
 

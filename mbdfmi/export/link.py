@@ -16,7 +16,7 @@ from ..files import replacing
 from ..native import library as native
 from ..native.platforms import PLATFORMS, Platform
 from ..native.sources import cache_directory, source_hash
-from . import aot, header
+from . import aot, header, standard
 
 FLAGS = (
     "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-z,defs", "-s",
@@ -85,9 +85,7 @@ def wrapper_folder() -> Path:
 
 def _headers() -> Path:
     """The folder of the FMI headers, which fmpy carries."""
-    import fmpy
-
-    return Path(fmpy.__file__).parent / "c-code"
+    return standard.folder() / "c-code"
 
 
 def _wrapper_files() -> list[Path]:

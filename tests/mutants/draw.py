@@ -11,7 +11,8 @@ from .operators import Mutant, changes, defaults_of, mutants_of
 from .reach import sources
 
 UNTOUCHED = (
-    "kernels/language.py", "kernels/layout.py", "kernels/status.py", "scene/errors.py", "scene/messages.py",
+    "kernels/language.py", "kernels/compiling.py", "kernels/compiled_views.py", "kernels/ahead.py",
+    "kernels/layout.py", "kernels/status.py", "scene/errors.py", "scene/messages.py",
 )  # fmt: skip
 """What compiles the kernels, names of arrays, and texts of messages."""
 

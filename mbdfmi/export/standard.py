@@ -1,0 +1,14 @@
+"""Files of the FMI standard, which fmpy carries; importing it takes longer than an export."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def folder() -> Path:
+    """fmpy's own: headers in c-code, schemas in schema/fmi2, ..."""
+    found = find_spec("fmpy")
+
+    if found is None or found.origin is None:
+        raise ImportError("fmpy is not installed: pip install fmpy")
+
+    return Path(found.origin).parent

@@ -1,0 +1,139 @@
+"""The library of the kernels in process: called right, refused wrong, one for all, and nothing else beside it."""
+
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mbdfmi import load
+from mbdfmi.export.link import library as fmu_library
+from mbdfmi.kernels import entry, loops
+from mbdfmi.kernels.dynamics import articulated, rates
+from mbdfmi.kernels.language import INTERPRETED, JIT
+from mbdfmi.native import library
+from mbdfmi.native.platforms import host_platform
+from mbdfmi.run.instance import Instance
+
+MODELS = Path(__file__).parents[1] / "models"
+in_library = pytest.mark.skipif(INTERPRETED or JIT, reason="the library is not used in this process")
+
+
+@pytest.fixture
+def instance():
+    """One of a scene with loops, with its inputs set."""
+    made = Instance(load(MODELS / "four_bar.toml").compile())
+    made.u[: made.model.n_u] = 0.3
+    return made
+
+
+@in_library
+@pytest.mark.parametrize("kernel, arguments", [(rates.evaluate, (0.0,)), (articulated.aba, ()), (entry.step, (1e-3,))])
+def test_kernels_are_what_python_makes_of_them(instance, kernel, arguments):
+    """To rounding: results, and all that they write."""
+    m, d = instance.m, instance.d
+    rates.evaluate(m, d, 0.0)
+    before = [d.state_buffer.copy(), d.work_buffer.copy()]
+    told = kernel(m, d, *arguments)
+    native = [d.state_buffer.copy(), d.work_buffer.copy()]
+    d.state_buffer[:], d.work_buffer[:] = before
+    assert kernel.__wrapped__(m, d, *arguments) == told
+
+    for found, wanted in zip(native, (d.state_buffer, d.work_buffer)):
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * (1 + np.abs(wanted).max()))
+
+
+@in_library
+def test_an_fmu_carries_the_library_of_this_process():
+    assert fmu_library(host_platform()).read_bytes() == library.ready().read_bytes()
+    assert set(library.addresses()) >= set(entry.ENTRIES)
+
+
+@in_library
+def test_wrong_arguments_are_refused(instance):
+    m, d, y = instance.m, instance.d, instance.y
+
+    with pytest.raises(AttributeError, match="model_addresses"):
+        rates.evaluate(d, m, 0.0)
+
+    for wrong in (y.astype(np.float32), np.zeros(2 * len(y))[::2], y.tolist()):
+        with pytest.raises(TypeError, match="float64"):
+            entry.compute_outputs(m, d, wrong)
+
+    with pytest.raises(TypeError):
+        entry.step(m, d)
+
+
+@in_library
+def test_loops_are_the_calls_that_they_stand_for(instance):
+    times, n = np.linspace(0.0, 0.1, 11)[1:], instance.model.n_y
+    rows = np.zeros((len(times), n))
+    assert loops.follow(instance.m, instance.d, times, len(times), instance.y, rows.reshape(-1)) == 0
+    other = Instance(instance.model)
+    other.u[: other.model.n_u] = 0.3
+
+    for k, time in enumerate(times):
+        other.step(time - other.time)
+        np.testing.assert_array_equal(rows[k], other.outputs())
+
+
+PROGRAM = """
+import sys
+import mbdfmi
+results = mbdfmi.load(sys.argv[1]).simulate(0.1)
+mbdfmi.load(sys.argv[1]).export(sys.argv[2])
+print(*{name.partition(".")[0] for name in sys.modules})
+assert not any(name.startswith(("scipy.spatial", "scipy.interpolate", "scipy.optimize")) for name in sys.modules)
+"""
+
+
+@in_library
+def test_a_run_and_an_export_import_little(tmp_path):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", PROGRAM, str(MODELS / "pendulum.toml"), str(tmp_path / "a.fmu")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert not {"numba", "llvmlite", "fmpy", "matplotlib", "rich"} & set(done.stdout.split())
+
+
+def test_help_imports_next_to_nothing():
+    program = "import sys; from mbdfmi.cli.parser import parser; parser(); print(*sys.modules)"
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert not {"numpy", "pydantic", "scipy", "rich", "numba"} & set(done.stdout.split())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="PATH of a shell")
+def test_a_library_that_cannot_be_made(monkeypatch, tmp_path):
+    monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
+    monkeypatch.setattr(library, "PACKAGED", tmp_path)
+    monkeypatch.setattr(library.sys, "executable", "/bin/false")
+
+    with pytest.raises(ImportError, match="must be compiled first.*MBDFMI_INTERPRETED=1"):
+        library.ready()
+
+
+def test_two_that_want_it_at_once_make_it_once(monkeypatch, tmp_path):
+    monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
+    monkeypatch.setattr(library, "PACKAGED", tmp_path)
+    made, begun = [], threading.Barrier(2)
+    monkeypatch.setattr(library, "find", lambda: made[0] if made else None)
+    monkeypatch.setattr(library, "_make", lambda tell: made.append(Path("made")) or made[0])
+
+    def want():
+        begun.wait()
+        assert library.ready() == Path("made")
+
+    threads = [threading.Thread(target=want) for _ in range(2)]
+
+    for thread in threads:
+        thread.start()
+
+    for thread in threads:
+        thread.join()
+
+    assert len(made) == 1
