@@ -137,3 +137,16 @@ def test_two_that_want_it_at_once_make_it_once(monkeypatch, tmp_path):
         thread.join()
 
     assert len(made) == 1
+
+
+def test_kernels_one_by_one_by_numba():
+    """With MBDFMI_JIT=1, as for work on them."""
+    program = """
+from mbdfmi.kernels import language
+from mbdfmi.kernels.math import algebra
+assert language.JIT
+print(algebra.cross((1.0, 2.0, 3.0), (4.0, 5.0, 7.0)), len(algebra.cross.signatures))
+"""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "MBDFMI_JIT": "1", "MBDFMI_INTERPRETED": ""}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+    assert done.stdout == "(-1.0, 5.0, -3.0) 1\n", done.stderr
