@@ -4,11 +4,11 @@ import os
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from lxml import etree
 
 from ..units import UNITS
+from . import standard
 
 LOG_CATEGORIES = {
     "logEvents": "Life of the instance: initialisation, reset, termination",

@@ -19,7 +19,7 @@ from ..native.sources import cache_directory, source_hash
 from . import aot, header, standard
 
 FLAGS = (
-    "-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-z,defs", "-s",
+    "-fPIC", "-fvisibility=hidden", "-Wl,-z,defs", "-s",
     "-std=c99", "-O2", "-ffp-contract=off", "-fno-sanitize=all",
     "-Wall", "-Wextra", "-Wno-override-module",
 )  # fmt: skip
@@ -107,24 +107,36 @@ def _hash(files: list[Path], *texts: str) -> str:
 
 
 def _link(platform: Platform, kernels: list[Path], library: Path) -> None:
-    """Links a platform's library from the wrapper and the kernels (LLVM IR)."""
-    with tempfile.TemporaryDirectory() as folder:
-        output = Path(folder) / f"fmu{platform.suffix}"
-        table = Path(folder) / "table.c"
+    """Links a platform's library from the wrapper and the kernels (LLVM IR), which are made side by side."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / header.NAME).write_text(header.layout_header())
+        table = folder / "table.c"
         table.write_text(header.table_of_kernels())
-        sources = [*sorted(wrapper_folder().glob("*.c")), table, *kernels]
-        (Path(folder) / header.NAME).write_text(header.layout_header())
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS, *platform.flags]
-        command += [f"-I{folder}", f"-I{_headers()}", *map(str, sources), "-lm", "-o", str(output)]
+        objects = [folder / f"{source.stem}.o" for source in kernels]
+        _zig(platform, folder, [("-c", source, "-o", made) for source, made in zip(kernels, objects)])
 
-        # zig keeps what it builds of a platform's C library
-        environment = os.environ | {
-            "ZIG_GLOBAL_CACHE_DIR": str(cache_directory() / "zig"),
-            "ZIG_LOCAL_CACHE_DIR": str(Path(folder) / "zig"),
-        }
-        done = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True)
-
-        if done.returncode or not output.exists():
-            raise LinkError(f"linking for {platform.target} failed:\n{done.stderr.strip()}")
-
+        output = folder / f"fmu{platform.suffix}"
+        sources = [*sorted(wrapper_folder().glob("*.c")), table, *objects]
+        includes = [f"-I{folder}", f"-I{_headers()}"]
+        _zig(platform, folder, [("-shared", *platform.flags, *includes, *sources, "-lm", "-o", output)])
         library.write_bytes(output.read_bytes())
+
+
+def _zig(platform, folder, tasks):
+    """Runs zig's C compiler for each of some lists of arguments, all at once. Raises LinkError."""
+    # zig keeps what it builds of a platform's C library
+    environment = os.environ | {
+        "ZIG_GLOBAL_CACHE_DIR": str(cache_directory() / "zig"),
+        "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
+    }
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    running = [
+        subprocess.Popen([*command, *map(str, task)], env=environment, cwd=folder, **pipes) for task in tasks
+    ]
+    told = [process.communicate()[0] for process in running]
+
+    for process, text in zip(running, told):
+        if process.returncode:
+            raise LinkError(f"linking for {platform.target} failed:\n{text.strip()}")

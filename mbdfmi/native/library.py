@@ -6,6 +6,7 @@ first needed, by a process of its own (`python -m mbdfmi.export`), and kept in t
 
 import contextlib
 import ctypes
+import operator
 import os
 import sys
 from collections.abc import Callable
@@ -156,17 +157,17 @@ def _function(signature, symbol):
     arguments = [ctypes.c_void_p] * (2 + _ADDRESSES[m.name] + _ADDRESSES[d.name])
     arguments += [_ARGUMENTS[kind.name] for kind in others]
     native = ctypes.CFUNCTYPE(ctypes.c_int32, *arguments)(addresses()[symbol])
-    at = [k for k, kind in enumerate(others) if kind.name == "REALS"]
+    passed = [(k, _PASSED[kind.name]) for k, kind in enumerate(others) if kind.name in _PASSED]
     result, value_of = _result(signature.return_type)
     exception = ctypes.addressof(_no_exception)
     address_of = ctypes.addressof
 
     def call(m, d, *rest):
-        if at:
+        if passed:
             rest = list(rest)
 
-            for k in at:
-                rest[k] = _address(rest[k])
+            for k, pass_on in passed:
+                rest[k] = pass_on(rest[k])
 
         returned = result()
 
@@ -200,3 +201,7 @@ def _address(array):
         raise TypeError("an array of float64 without gaps is needed")
 
     return array.ctypes.data
+
+
+_PASSED = {"REALS": _address, "int64": operator.index, "boolean": bool}
+"""What is done with arguments of some kinds: numpy's numbers are none to ctypes."""

@@ -8,7 +8,8 @@ class Platform(NamedTuple):
     """What zig calls a platform, and where the library of an FMU for it lies."""
 
     target: str
-    folders: tuple[str, ...]  # below binaries/
+    folders: tuple[str, ...]  # below binaries/ in FMI 2
+    folder3: str  # in FMI 3
     suffix: str
     flags: tuple[str, ...] = ()
 
@@ -17,11 +18,13 @@ class Platform(NamedTuple):
 _MACOS = ("-Wl,-install_name,@rpath/fmu.dylib",)
 
 PLATFORMS: dict[str, Platform] = {
-    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), ".so"),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), ".so"),
-    "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), ".dll"),
-    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), ".dylib", _MACOS),
-    "aarch64-macos": Platform("aarch64-macos", ("aarch64-darwin", "darwin64"), ".dylib", _MACOS),
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), "x86_64-linux", ".so"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), "aarch64-linux", ".so"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), "x86_64-windows", ".dll"),
+    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), "x86_64-darwin", ".dylib", _MACOS),
+    "aarch64-macos": Platform(
+        "aarch64-macos", ("aarch64-darwin", "darwin64"), "aarch64-darwin", ".dylib", _MACOS
+    ),
 }
 """Platforms that a library can be linked for, on any of them.
 

@@ -299,7 +299,7 @@ class Part(BaseModel, metaclass=_PartType):
     Raises SceneError with all that is wrong when it is made.
     """
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=True)
 
     kind: ClassVar[str | None] = None
     exclusive: ClassVar[tuple] = ()
