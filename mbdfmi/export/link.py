@@ -131,9 +131,16 @@ def _zig(platform, folder, tasks):
         "ZIG_LOCAL_CACHE_DIR": str(folder / "zig"),
     }
     command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, *FLAGS]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     running = [
-        subprocess.Popen([*command, *map(str, task)], env=environment, cwd=folder, **pipes) for task in tasks
+        subprocess.Popen(
+            [*command, *map(str, task)],
+            env=environment,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        for task in tasks
     ]
     told = [process.communicate()[0] for process in running]
 

@@ -70,9 +70,12 @@ def _make(tell):
 
     command = [sys.executable, "-m", "mbdfmi.export", host_platform()]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
 
-    with subprocess.Popen(command, env=environment, text=True, **pipes) as process:
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout and process.stderr
+
         for line in process.stdout:
             tell(line.rstrip())
 
@@ -105,16 +108,16 @@ def _alone():
 
 def _lock(file):
     """Waits until no other process holds the file; its end, or that of the process, lets it go."""
-    if os.name == "nt":
+    if sys.platform == "win32":
         import msvcrt
 
         while True:
             with contextlib.suppress(OSError):  # it gives up after ten tries
                 return msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
+    else:
+        import fcntl
 
-    import fcntl
-
-    return fcntl.flock(file, fcntl.LOCK_EX)
+        return fcntl.flock(file, fcntl.LOCK_EX)
 
 
 class _Row(ctypes.Structure):
@@ -153,25 +156,24 @@ def apart(function, signature, symbol):
 
 def _function(signature, symbol):
     """A kernel of the library as a function of m, d and what else its signature names."""
-    m, d, *others = signature.args
-    arguments = [ctypes.c_void_p] * (2 + _ADDRESSES[m.name] + _ADDRESSES[d.name])
-    arguments += [_ARGUMENTS[kind.name] for kind in others]
+    m, d, *kinds = signature.args
+    arguments: list = [ctypes.c_void_p] * (2 + _ADDRESSES[m.name] + _ADDRESSES[d.name])
+    arguments += [_ARGUMENTS[kind.name] for kind in kinds]
     native = ctypes.CFUNCTYPE(ctypes.c_int32, *arguments)(addresses()[symbol])
-    passed = [(k, _PASSED[kind.name]) for k, kind in enumerate(others) if kind.name in _PASSED]
+    passed = [(k, _PASSED[kind.name]) for k, kind in enumerate(kinds) if kind.name in _PASSED]
     result, value_of = _result(signature.return_type)
     exception = ctypes.addressof(_no_exception)
     address_of = ctypes.addressof
 
     def call(m, d, *rest):
-        if passed:
-            rest = list(rest)
+        others = [*rest]
 
-            for k, pass_on in passed:
-                rest[k] = pass_on(rest[k])
+        for k, pass_on in passed:
+            others[k] = pass_on(others[k])
 
         returned = result()
 
-        if native(address_of(returned), exception, *m.model_addresses, *d.data_addresses, *rest):
+        if native(address_of(returned), exception, *m.model_addresses, *d.data_addresses, *others):
             raise RuntimeError(f"{symbol} fails inside")
 
         return value_of(returned)
