@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy  # which imports its parts when they are asked for
 
 from ..compiler.frames import axes_with_z
 from ..compiler.joint_kinds import kind_of
@@ -78,7 +77,9 @@ class Place:
         n_row, n = self.C.shape
         rows, columns = np.nonzero(self.C)
         links = np.ones(len(rows)), (self.constraint[rows], n_row + columns)
-        _, number = connected_components(coo_array(links, shape=(n_row + n, n_row + n)), directed=False)
+        _, number = scipy.sparse.csgraph.connected_components(
+            scipy.sparse.coo_array(links, shape=(n_row + n, n_row + n)), directed=False
+        )
         order = np.argsort(number, kind="stable")
         blocks = []
 

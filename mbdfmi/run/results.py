@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # which imports its parts when they are asked for
 
 from ..compiler.variables import array_of, hint, meant
 from ..files import check_ending, replacing
@@ -85,7 +85,7 @@ class Results(Mapping):
             raise ValueError("these are columns alone, without the states of a run: no poses are known")
 
         r, A = self.states.poses([end])
-        return r[:, 0], Rotation.from_matrix(A[:, 0]).as_quat()
+        return r[:, 0], scipy.spatial.transform.Rotation.from_matrix(A[:, 0]).as_quat()
 
     @classmethod
     def from_csv(cls, path) -> "Results":
