@@ -50,10 +50,10 @@ STEPPERS = {
 ADAPTIVE = tuple(name for name, record in STEPPERS.items() if not record.fixed)
 FIXED_STEP = tuple(name for name, record in STEPPERS.items() if record.fixed)
 
-MOST_STATES = 500
-"""States up to which `auto` may turn to its implicit method: the Jacobian stands in every snapshot."""
+MOST_VALUES = 1_000_000
+"""Values of a Newton matrix, fill included, up to which `auto` may turn to its implicit method."""
 
 
-def needs_jacobian(stepper: Stepper, n_x: int) -> bool:
-    """Whether a model of n_x states keeps a Jacobian for a stepper."""
-    return stepper.implicit and (stepper.name != "auto" or n_x <= MOST_STATES)
+def needs_jacobian(stepper: Stepper, n_value: int) -> bool:
+    """Whether a model keeps a Jacobian of n_value values for a stepper."""
+    return stepper.implicit and (stepper.name != "auto" or n_value <= MOST_VALUES)

@@ -7,7 +7,6 @@ from test_integrate import instance_of, slope
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.dynamics.rates import evaluate
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.steppers import STEPPERS
 
@@ -92,7 +91,7 @@ def test_auto_says_that_the_motion_is_stiff_and_that_it_no_longer_is():
     instance.prepare()
     instance.d.x[:2] = [1.0, 0.0]
     instance.step(20.0)
-    assert "no longer stiff" in instance.notices[1]
+    assert "no longer pays" in instance.notices[1]
     assert instance.d.x[0] == pytest.approx(np.cos(20.0), abs=1e-4)
     assert instance.d.evaluations[0] - evaluations < 1000
 
@@ -203,29 +202,6 @@ def test_outputs_of_the_solver(integrator):
     assert told["solver.rejected_steps"] == instance.d.rejected[0]
     assert told["solver.evaluations"] == instance.d.evaluations[0] > told["solver.steps"]
     assert 0.01 * told["solver.steps"] < told["solver.estimated_error"] / 1e-6 <= told["solver.steps"]
-
-
-def test_the_jacobian_is_that_of_central_differences():
-    instance = instance_of(bars(3, solver={"integrator": "radau", "tolerance": 1e-6}))
-    instance.d.x[:] = np.linspace(0.3, 1.3, 6)
-    instance.d.next_step[STEPPERS["radau"].number] = 1e-9
-    x = instance.d.x.copy()
-    instance.step(1e-9)
-    found = instance.d.jacobian.reshape(6, 6).copy()
-    wanted = np.empty((6, 6))
-
-    for k in range(6):
-        rates = []
-
-        for side in (1e-5, -1e-5):
-            instance.d.x[:] = x
-            instance.d.x[k] += side
-            assert evaluate(instance.m, instance.d, 0.0) == 0
-            rates.append(instance.d.x_rate.copy())
-
-        wanted[:, k] = (rates[0] - rates[1]) / 2e-5
-
-    assert found == pytest.approx(wanted, abs=1e-5 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("integrator", sorted(STEPPERS))

@@ -109,12 +109,17 @@ def add_settings(builder):
 LONGEST_STEP = 6.0
 
 
-def add_work_limit(builder, counts):
-    """How many evaluations a communication step may cost: the user's number, else from about what one costs (s)."""
+def evaluation_cost(builder, counts):
+    """About what an evaluation costs (s), generously."""
     rows = counts.get("n_row", 0)
     cost = 3e-7 + 2e-7 * counts["n_body"] + 3e-7 * rows + 1e-6 * counts.get("n_end_frame", 0)
     cost += 1e-9 * counts.get("n_factor", 0) ** 2 / max(1, rows)
-    cost += 2e-10 * counts["n_v"] ** 3 if builder.embeds else 0.0
+    return cost + (2e-10 * counts["n_v"] ** 3 if builder.embeds else 0.0)
+
+
+def add_work_limit(builder, counts):
+    """How many evaluations a communication step may cost: the user's number, else from about what one costs."""
+    cost = evaluation_cost(builder, counts)
     most = builder.scene.solver.max_evaluations or float(f"{LONGEST_STEP / cost:.1e}")
     builder.single["max_evaluations"] = most
     about = "largest work of a communication step, in evaluations of the accelerations"

@@ -1,12 +1,11 @@
 """Joints that close loops, rolling and couplings as rows, in an order that keeps their factor sparse."""
 
-import heapq
-
 from ..kernels.dynamics import rows
 from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
 from .builder import Constraint, Place
 from .couplings import coordinate_ends, coupling_constraints, drive_constraints
+from .elimination import elimination
 from .joint_kinds import kind_of
 from .start import start_pose
 
@@ -23,7 +22,7 @@ def add_constraints(builder):
     # the joint-space mass matrix spreads every row over all coordinates
     every = list(range(1, len(builder.nodes)))
     path = [every if builder.embeds else _path(builder, c) for c in constraints]
-    order, earlier = _elimination(_neighbours(builder, path))
+    order, earlier = elimination(_neighbours(builder, path))
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c.name for c in constraints]
     builder.constraint_nodes = [c.nodes for c in constraints]
@@ -127,38 +126,6 @@ def _rigid_part(builder, i):
         i = builder.nodes[i].parent
 
     return i
-
-
-def _elimination(neighbours):
-    """An order of elimination with little fill, and the neighbours of each constraint before it.
-
-    neighbours : for each constraint the set of those it shares joints with. Minimum degree: next comes the one with the
-    fewest neighbours left, which then all become neighbours. Returns (order, for each in the order its earlier neighbours, as
-    places in the order).
-    """
-    left = [set(near) for near in neighbours]
-    waiting = [(len(near), k) for k, near in enumerate(left)]
-    heapq.heapify(waiting)
-    order = []
-    earlier = [[] for _ in left]
-    done = set()
-
-    while waiting:
-        fewest, c = heapq.heappop(waiting)
-
-        if c in done or fewest != len(left[c]):
-            continue
-
-        for k in left[c]:
-            earlier[k].append(len(order))
-            left[k] |= left[c]
-            left[k] -= {k, c}
-            heapq.heappush(waiting, (len(left[k]), k))
-
-        order.append(c)
-        done.add(c)
-
-    return order, [earlier[c] for c in order]
 
 
 def _neighbours(builder, paths):

@@ -23,6 +23,7 @@ from .bodies import (
     add_scene_outputs,
     add_settings,
     add_work_limit,
+    evaluation_cost,
 )
 from .builder import Builder
 from .constraints import add_constraints
@@ -30,6 +31,7 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
+from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
 from .reactions import add_reactions
@@ -191,21 +193,67 @@ def _counts(builder):
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": stepper.number,
     }
-    implicit = int(needs_jacobian(stepper, counts["n_x"]))
-    return counts | {
-        "n_stage": stepper.stage_rows * counts["n_x"],
-        "n_dense": stepper.dense_rows * counts["n_x"],
-        "n_jacobian": implicit * counts["n_x"] ** 2,
-        "n_swap": implicit * counts["n_x"],
+    structure = _jacobian(builder, stepper, counts)
+    return (
+        counts
+        | {
+            "n_stage": stepper.stage_rows * counts["n_x"],
+            "n_dense": stepper.dense_rows * counts["n_x"],
+            "n_jacobian": structure.n_value if structure else 0,
+            "n_swap": counts["n_x"] if structure else 0,
+        }
+        | ({name: len(rows) for name, rows in structure.tables.items()} if structure else {})
+    )
+
+
+# s, about what a product of two numbers costs in a factor
+PRODUCT = 4e-10
+
+# s, about what a force between two markers costs in an evaluation
+FORCE = 2e-7
+
+
+def _jacobian(builder, stepper, counts):
+    """The structure of the Jacobian, its arrays into the builder; None where the stepper needs none."""
+    builder.single |= {"jacobian_work": 0.0, "lu_work": 0.0, "solve_work": 0.0}
+
+    if not stepper.implicit or not counts["n_x"]:
+        return None
+
+    structure = find_structure(
+        _arrays(builder), *(counts[n] for n in ("n_body", "n_q", "n_v", "n_s", "n_turn"))
+    )
+
+    if not needs_jacobian(stepper, structure.n_value):
+        return None
+
+    # a complex product is four real ones; what bodies and rows cost was told generously, without forces
+    n_force = counts.get("n_strut", 0) + 2 * counts.get("n_six_by_six", 0)
+    cost = 0.5 * evaluation_cost(builder, counts) + FORCE * n_force
+    builder.single |= structure.single | {
+        "jacobian_work": structure.n_evaluation,
+        "lu_work": 5 * PRODUCT * structure.products / cost,
+        "solve_work": 5 * PRODUCT * structure.n_value / cost,
+    }
+
+    for name, rows in structure.tables.items():
+        for row in rows:
+            builder.tables[name].add(**row)
+
+    return structure
+
+
+def _arrays(builder):
+    """What was collected so far, arrays by name."""
+    tables = [table.columns for table in builder.tables.values()]
+    return builder.single | {
+        name: np.concatenate(column) for columns in tables for name, column in columns.items()
     }
 
 
 def _values(builder, first_name):
     """What stands in the arrays, by name; first_name : place of the builder's first name among those that messages point to."""
-    values = dict(builder.single)
-
-    for table in builder.tables.values():
-        values |= {name: np.concatenate(column) for name, column in table.columns.items()}
+    values = _arrays(builder)
 
     for name in ("told_place", "stop_place"):
         values[name] = np.asarray(values.get(name, ())) + first_name

@@ -63,8 +63,13 @@ COUNTS = (
     "n_mass",  # elements of that matrix
     "n_stage",  # values of the stages of a step (mbdfmi/steppers.py)
     "n_dense",  # values of a continuous extension, or of the stages of the step before
-    "n_jacobian",  # elements of dx'/dx, where an implicit stepper may need it
+    "n_jacobian",  # values of dx'/dx, with room for what fills in, where an implicit stepper may need it
     "n_swap",  # rows of that
+    "n_block",  # blocks of these rows (compiler/jacobian.py)
+    "n_element",  # parts of rows of blocks, each in one column of blocks
+    "n_column",  # those that are there before fill, by columns
+    "n_colour",  # groups of columns that no row has two of
+    "n_member",  # blocks in these
 )
 
 
@@ -194,6 +199,24 @@ ARRAYS = (
     Array("output_a", "ints", 1, "n_output", "what it is about: node, marker or force"),
     Array("output_b", "ints", 1, "n_output", "second marker, where there is one"),
     Array("output_y", "ints", 1, "n_output", "first scalar output"),
+    Array("place_x", "ints", 1, "n_swap", "where the unknowns stand in x, in the order of elimination"),
+    Array("block_place", "ints", 1, "n_block", "first unknown in that order"),
+    Array("block_size", "ints", 1, "n_block", "number of unknowns"),
+    Array("block_element", "ints", 1, "n_block", "first element of its row, ascending"),
+    Array("block_elements", "ints", 1, "n_block", "number of these"),
+    Array("block_own", "ints", 1, "n_block", "that on the diagonal"),
+    Array("block_column", "ints", 1, "n_block", "first of the elements in its column"),
+    Array("block_columns", "ints", 1, "n_block", "number of these"),
+    Array("element_block", "ints", 1, "n_element", "block in whose columns it is"),
+    Array("element_first", "ints", 1, "n_element", "first of these columns"),
+    Array("element_width", "ints", 1, "n_element", "number of these"),
+    Array("element_value", "ints", 1, "n_element", "its values in J and in the factors, by rows"),
+    Array("column_row", "ints", 1, "n_column", "block in whose rows it is"),
+    Array("column_element", "ints", 1, "n_column", "element"),
+    Array("colour_member", "ints", 1, "n_colour", "first of its blocks"),
+    Array("colour_members", "ints", 1, "n_colour", "number of these"),
+    Array("colour_width", "ints", 1, "n_colour", "columns of the widest"),
+    Array("member_block", "ints", 1, "n_member", "block"),
     # parameters
     Array("gravity", "reals", 3, 1, "m/s2, in O"),
     Array("step", "reals", 1, 1, "s, fixed step"),
@@ -254,6 +277,9 @@ ARRAYS = (
     Array("curve_size", "reals", 1, "n_curve", "m, reach from its marker's origin, 0: without end"),
     Array("surface_value", "reals", 2, "n_surface", "radius, radius of the tube"),
     Array("patch_c", "reals", 48, "n_patch", "for x, y, z: coefficients of s1^i s2^j, j runs fastest"),
+    Array("jacobian_work", "reals", 1, 1, "work of finding J, in evaluations"),
+    Array("lu_work", "reals", 1, 1, "of the factors of both Newton matrices"),
+    Array("solve_work", "reals", 1, 1, "of solving with both"),
     Array("body_r", "reals", 3, "n_body", "m, joint frame in the parent's frame"),
     Array("body_A", "reals", 9, "n_body", "joint axes to the parent's axes"),
     Array("solid_r", "reals", 3, "n_solid", "m, user's body frame in the node"),
@@ -275,8 +301,17 @@ ARRAYS = (
     Array("step_before", "state", 1, 1, "s, length of the step before, 0: none"),
     Array("stiff_steps", "state", 1, 1, "steps at the border of stability"),
     Array("stable_steps", "state", 1, 1, "steps within it since"),
-    Array("nonstiff_steps", "state", 1, 1, "implicit steps that explicit ones could have done"),
+    Array("singular_told", "state", 1, 1, "1: told that the tolerance is not attained at singular positions"),
     Array("radius", "state", 1, 1, "1/s, spectral radius of J"),
+    Array("linear_work", "state", 1, 1, "work of linear systems since the start, in evaluations"),
+    Array("border_work", "state", 1, 1, "evaluations when the steps at the border of stability began"),
+    Array("border_span", "state", 1, 1, "s, that they have led since"),
+    Array("pair_rate", "state", 1, 1, "evaluations a second of the pair that was left, 0: not known"),
+    Array("pair_radius", "state", 1, 1, "1/s, spectral radius of J then"),
+    Array("implicit_work", "state", 1, 1, "work since the start when the implicit method began to be watched"),
+    Array("implicit_span", "state", 1, 1, "s, that it has led since"),
+    Array("implicit_steps", "state", 1, 1, "in so many steps"),
+    Array("patience", "state", 1, 1, "factor on what a pair spends at the border before the implicit method is tried"),
     Array("u_known", "state", 1, 1, "1: u_before holds"),
     Array("u_before", "state", 1, "n_u", "inputs of the communication step before"),
     Array("command_known", "state", 1, 1, "how many commands before the present one are remembered, at most 4"),
@@ -297,8 +332,10 @@ ARRAYS = (
     Array("front_rate", "state", 1, "n_x", "x' at the front, or at x when that is not ahead"),
     Array("span", "state", 1, 1, "s, length of the step that `dense` is about, 0: none"),
     Array("dense", "state", 1, "n_dense", "continuous extension of the last step, or its stages"),
-    Array("jacobian_known", "state", 1, 1, "1: jacobian holds"),
-    Array("jacobian", "state", 1, "n_jacobian", "J = dx'/dx, by rows"),
+    Array("jacobian_known", "state", 1, 1, "1: there is a J, found at jacobian_x, 2: which was factored, 0: none"),
+    Array("jacobian_x", "state", 1, "n_swap", "x at which J was found"),
+    Array("jacobian_time", "state", 1, 1, "s, likewise"),
+    Array("jacobian_input", "state", 1, "n_u", "inputs, likewise"),
     Array("lu_step", "state", 1, 1, "s, step that the Newton matrices are of"),
     Array("q", "state", 1, "n_q", "position coordinates"),
     Array("v", "state", 1, "n_v", "velocity coordinates"),
@@ -322,7 +359,7 @@ ARRAYS = (
     Array("strut_start", "state", 1, "n_strut", "m, length at the start"),
     Array("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
-    Array("lu_known", "work", 1, 1, "1: lu_real and lu_complex are of J and lu_step; to be cleared when the state is not that of the last call"),
+    Array("lu_known", "work", 1, 1, "1: jacobian is that of jacobian_x, 2: lu_real and lu_complex are of it and lu_step; to be cleared when the state is not that of the last call"),
     Array("now", "work", 1, 1, "s, time of the evaluation"),
     Array("input", "work", 1, "n_u", "inputs now"),
     Array("command_fresh", "work", 1, 1, "1: the commands of this communication step are new, not left to go on"),
@@ -400,6 +437,7 @@ ARRAYS = (
     Array("response", "work", 1, "n_response", "response of the joints to each row, whitened"),
     Array("factor", "work", 1, "n_factor", "C M^-1 C^T = L D L^T: L in blocks"),
     Array("pivot", "work", 1, "n_row", "1 / D of the factor, 0: row dropped"),
+    Array("least_share", "work", 1, 1, "of the rows of the factor: the least that one adds to those before it (see row_reference), 0: dropped"),
     Array("aim", "work", 1, "n_end_frame", "1: assembly takes the contact to given parameters"),
     Array("passed_moment", "work", 3, "n_body", "wrench on its way to the ground"),
     Array("passed_force", "work", 3, "n_body", ""),
@@ -423,6 +461,8 @@ ARRAYS = (
     Array("x_tried", "work", 7, "n_x", "states of attempts to find the start (dynamics/given.py)"),
     Array("x_scale", "work", 1, "n_x", "error weights"),
     Array("stage", "work", 1, "n_stage", "rates of the stages, right-hand sides of the implicit methods, n_x each"),
+    Array("jacobian", "work", 1, "n_jacobian", "J = dx'/dx, by its elements"),
+    Array("right", "work", 2, "n_swap", "right-hand sides in the order of elimination"),
     Array("lu_real", "work", 1, "n_jacobian", "factors of the real Newton matrix (linear.py)"),
     Array("lu_complex", "work", 2, "n_jacobian", "of the complex one"),
     Array("swaps_real", "work", 1, "n_swap", "their exchanges of rows"),

@@ -164,20 +164,6 @@ def needs(kinds) -> int:
 
 
 @inlined
-def largest(p, n):
-    """Largest magnitude among p[:n]; NaN where one is."""
-    size = 0.0
-
-    for k in range(n):
-        a = abs(p[k])
-
-        if a > size or a != a:
-            size = a
-
-    return size
-
-
-@inlined
 def in_own_axes(m, d, a, b, v):
     """A vector in a's axes, in b's."""
     return al.matT_vec(markers.relative_axes(m, d, a, b), v)
@@ -255,10 +241,10 @@ def write_linear_output(m, d, kind, a, at, y):
 def write_scene_output(m, d, kind, at, y):
     """An output of the whole scene into y from `at` on."""
     if kind == CONSTRAINT_GAP:
-        y[at] = largest(d.row_gap, m.n_row)
+        y[at] = al.largest(d.row_gap, m.n_row)
 
     elif kind == CONSTRAINT_RATE:
-        y[at] = largest(d.row_rate, m.n_row)
+        y[at] = al.largest(d.row_rate, m.n_row)
 
     elif kind == STEPS:
         y[at] = d.steps[0]

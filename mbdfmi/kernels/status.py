@@ -56,6 +56,9 @@ BAD_PARAMETER = 14
 # no failure: told in the log as a warning
 CONTRADICTION = 15
 
+# likewise as an event
+NOT_ATTAINED = 16
+
 MESSAGES = {
     NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
     STEP_TOO_SMALL: "the inner step became too small to go on; the motion is singular or too stiff for this "
@@ -74,10 +77,12 @@ MESSAGES = {
     NO_STAGES: "the implicit stages of a step were not found: the motion is stiff, or passes a singular position, or the step "
     'is too long; make solver.step smaller, or take integrator = "auto"',
     STIFF: "the motion is stiff: the implicit method goes on from here",
-    NOT_STIFF: "the motion is no longer stiff: the explicit method goes on from here",
+    NOT_STIFF: "the implicit method no longer pays: the explicit method goes on from here",
     CONTRADICTION: "the motion commanded for %s contradicts itself: the speed is not that at which the position changes, or the "
     "acceleration not that of the speed; give what belongs together, or list in its input only what is given, as in "
     'input = ["position"]',
+    NOT_ATTAINED: "the motion passes a singular position, where the accelerations are not known as well as solver.tolerance = %g asks: "
+    "there the tolerance is %g",
     LOOP_OPEN: "the loop cannot be closed at %s",
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",

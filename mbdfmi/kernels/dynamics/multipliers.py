@@ -268,6 +268,8 @@ def factor_rows(m, d, positional):
     if d.damping[0] > 0.0:
         raise_diagonal(m, d)
 
+    d.least_share[0] = 1.0
+
     for c in range(m.n_constraint):
         for i in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + i
@@ -283,8 +285,13 @@ def factor_rows(m, d, positional):
 
             least_felt = max(NOISE * d.row_size[row], CANCELLED * d.constraint_noise[c])
 
-            if pivot > adds * row_reference(m, d, row) and pivot > least_felt:
+            reference = row_reference(m, d, row)
+
+            if pivot > adds * reference and pivot > least_felt:
                 d.pivot[row] = 1.0 / pivot
+                d.least_share[0] = min(d.least_share[0], pivot / reference)
+            else:
+                d.least_share[0] = 0.0
 
 
 @inlined
@@ -366,6 +373,10 @@ def exchange_rows(m, d):
 
         better = dropped == redundant and weakest_row(m, d)[1] > share
         d.row_redundant[weak] = 0.0
+
+        # a Jacobian can only be found again with the same rows (steppers/radau.py)
+        if better:
+            d.jacobian_known[0] = 0.0
 
         for row in range(m.n_row):
             if better:

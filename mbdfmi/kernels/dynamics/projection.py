@@ -51,18 +51,6 @@ def move_by_change(m, d, factor):
 
 
 @inlined
-def largest(p, n):
-    """Largest magnitude among p[:n]; infinite when one is NaN."""
-    size = 0.0
-
-    for k in range(n):
-        if not abs(p[k]) <= size:
-            size = abs(p[k]) if abs(p[k]) < math.inf else math.inf
-
-    return size
-
-
-@inlined
 def worst_constraint(m, d):
     """The constraint of the largest position residual."""
     worst = 0
@@ -108,7 +96,7 @@ def gap_left(m, d, starting, first):
 def step_size(m, d, starting):
     """How far (rad, m) d.change goes; when `starting`, rotations of joints in loops, and how far anything goes beside the scene."""
     if not starting:
-        return largest(d.change, m.n_v)
+        return al.largest(d.change, m.n_v)
 
     size = 0.0
 

@@ -21,10 +21,9 @@ def set_time(m, d, s):
             d.input[k] = commands.polynomial(m, d, k, s)
 
 
-@apart(int64(MODEL, DATA, float64))
-def evaluate(m, d, s):
-    """x' into d.x_rate for d.x and the inputs at time s of the communication step. Returns a status."""
-    set_time(m, d, s)
+@apart(int64(MODEL, DATA))
+def evaluate_now(m, d):
+    """x' into d.x_rate for d.x, the time and the inputs now. Returns a status."""
     drives.prescribe(m, d)
     kinematics.kinematics(m, d)
     inertia.inertias(m, d)
@@ -37,6 +36,13 @@ def evaluate(m, d, s):
     coordinates.turn_rates(m, d)
     d.evaluations[0] += 1.0
     return forward.accelerate(m, d)
+
+
+@apart(int64(MODEL, DATA, float64))
+def evaluate(m, d, s):
+    """The same at time s of the communication step."""
+    set_time(m, d, s)
+    return evaluate_now(m, d)
 
 
 @inlined

@@ -13,7 +13,6 @@ from . import forward, given, holding, multipliers, projection, rows, start_posi
 from .projection import (
     close_gaps,
     factor_for_velocities,
-    largest,
     move_by_change,
     project_velocities,
     see_rows,
@@ -76,7 +75,7 @@ def find_redundant(m, d):
         if undriven:
             see_stuck(m, d, 0.0)
 
-        size = largest(d.x, m.n_x)
+        size = al.largest(d.x, m.n_x)
 
         for v in range(m.n_v):
             d.change[v] = d.v[v]
@@ -91,7 +90,7 @@ def find_redundant(m, d):
             d.loose[0] = 1.0
             failure = close_gaps(m, d, allowed, start_positions.STRIDE)
             d.loose[0] = (
-                1.0 if failure == OK and largest(d.row_gap, m.n_row) <= start_positions.GAP_TAKEN else 0.0
+                1.0 if failure == OK and al.largest(d.row_gap, m.n_row) <= start_positions.GAP_TAKEN else 0.0
             )
 
         if failure == OK:

@@ -10,6 +10,7 @@ import math
 from .. import joints
 from ..end_frames import touching
 from ..language import apart, inlined, kernel
+from ..math import algebra as al
 from ..motion import coordinates
 from ..status import LOOP_OPEN, OK, status
 from ..signatures import DATA, MODEL, float64, int64
@@ -17,7 +18,6 @@ from . import forward, given, holding, rows
 from .holding import POSITION
 from .projection import (
     close_gaps,
-    largest,
     move_by_change,
     restore_x,
     see_rows,
@@ -114,7 +114,7 @@ def close(m, d, stride):
     given.store(m, d, given.BEGIN)
     d.loose[0] = 1.0
     failure = close_loops(m, d, stride)
-    gap = largest(d.row_gap, m.n_row)
+    gap = al.largest(d.row_gap, m.n_row)
     remember_gap(m, d, gap)
 
     if failure == OK and gap <= m.closing_tolerance[0]:
@@ -130,7 +130,7 @@ def close(m, d, stride):
         given.recall(m, d, given.BEGIN)
 
     failure = close_loops(m, d, stride)
-    remember_gap(m, d, largest(d.row_gap, m.n_row))
+    remember_gap(m, d, al.largest(d.row_gap, m.n_row))
 
     if not loose or (failure == OK and travel(m, d, given.LOOSE) < NEAR):
         return failure

@@ -2,13 +2,13 @@
 
 from .. import joints
 from ..language import apart, inlined, kernel
+from ..math import algebra as al
 from ..motion import kinematics
 from ..status import OK
 from ..signatures import DATA, MODEL, boolean
 from . import forward, given, holding, rows, start_positions
 from .holding import VELOCITY
 from .projection import (
-    largest,
     project_velocities,
 )
 
@@ -40,7 +40,7 @@ def try_velocities(m, d):
             for k in range(joints.n_v(m.body_joint[i])):
                 joints.put_back(m, d, i, k, False)
 
-    speed = 1.0 + largest(d.x, m.n_x)
+    speed = 1.0 + al.largest(d.x, m.n_x)
     partly = holding.begin(m, d, VELOCITY)
 
     for turn in range(start_positions.PUT_BACK):

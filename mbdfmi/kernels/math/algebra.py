@@ -481,3 +481,17 @@ def set_E_at(p, k, E):
     p[k + 1] = E[1]
     p[k + 2] = E[2]
     p[k + 3] = E[3]
+
+
+@inlined
+def largest(p, n):
+    """Largest magnitude among p[:n]; NaN where one is."""
+    size = 0.0
+
+    for k in range(n):
+        a = abs(p[k])
+
+        if a > size or a != a:
+            size = a
+
+    return size

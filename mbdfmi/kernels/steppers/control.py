@@ -122,3 +122,4 @@ def is_spent(d):
 def spend(d, evaluations):
     """Count work other than evaluations, as if it were so many of them."""
     d.evaluation_limit[0] -= evaluations
+    d.linear_work[0] += evaluations

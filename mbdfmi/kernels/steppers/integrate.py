@@ -14,7 +14,7 @@ from ..dynamics.projection import keep_x, restore_x
 from ..language import inlined, kernel
 from ..motion import commands
 from ..status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
-from . import control, fixed, memory, pairs, radau
+from . import choice, control, fixed, memory, pairs, radau
 
 AUTO, RK54, RK853, RADAU = (STEPPERS[name].number for name in ("auto", "rk54", "rk853", "radau"))
 
@@ -50,14 +50,13 @@ def start(m, d):
     d.next_step[RK54] = 0.0
     d.next_step[RK853] = 0.0
     d.next_step[RADAU] = 0.0
-    d.stiff_steps[0] = 0.0
-    d.stable_steps[0] = 0.0
-    d.nonstiff_steps[0] = 0.0
-    d.radius[0] = 0.0
+    choice.start(d)
     d.steps[0] = 0.0
     d.rejected[0] = 0.0
     d.evaluations[0] = 0.0
     d.error_sum[0] = 0.0
+    d.linear_work[0] = 0.0
+    d.singular_told[0] = 0.0
     d.method[0] = m.integrator
 
     if m.integrator == AUTO:
@@ -132,13 +131,11 @@ def pair_for(d, H, onward):
 def change_method(m, d):
     """From a pair to Radau's method or back; says so in the log."""
     memory.forget(d)
-    d.stiff_steps[0] = 0.0
-    d.nonstiff_steps[0] = 0.0
     d.jacobian_known[0] = 0.0
+    choice.change(d)
 
     if d.method[0] == RADAU:
         d.method[0] = RK853
-        d.next_step[RK853] = 0.0
         tell(d, status(NOT_STIFF, 0), 0.0, 0.0)
     else:
         d.next_step[RADAU] = d.next_step[pair_in_use(d)]

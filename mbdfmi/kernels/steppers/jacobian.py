@@ -1,51 +1,123 @@
-"""The Jacobian J = dx'/dx by differences, and how stiff it says that the motion is."""
+"""The Jacobian J = dx'/dx by differences, and how stiff it says that the motion is.
+
+Its blocks, and which of their columns are found in one evaluation, are known from the model (compiler/jacobian.py).
+"""
 
 import math
 
-
-from ..dynamics.rates import evaluate
+from ..dynamics.rates import evaluate_now
 from ..language import apart, kernel
 from ..status import OK
-from ..signatures import DATA, MODEL, float64, int64
+from ..signatures import DATA, MODEL, int64
 from . import control
 
 # of the states
 INCREMENT = 1e-7
 
-# work of the factors of a matrix of its size over the square of the number of states, in evaluations
-LU_WORK = 0.02
+
+@kernel
+def move_columns(m, d, colour, c):
+    """Column c of each block of a colour is moved: x there goes to d.right, the change to d.right beyond n_x."""
+    first = m.colour_member[colour]
+
+    for k in range(first, first + m.colour_members[colour]):
+        b = m.member_block[k]
+
+        if c < m.block_size[b]:
+            p = m.block_place[b] + c
+            at = m.place_x[p]
+            d.right[p] = d.x[at]
+            d.x[at] += INCREMENT / m.tolerance[0] * d.x_scale[at]
+            d.right[m.n_x + p] = d.x[at] - d.right[p]
 
 
-@apart(int64(MODEL, DATA, float64))
-def find_jacobian(m, d, s):
-    """J = df/dx by forward differences at x and s (s), by rows; needs f there in stage 0. Returns a status.
+@kernel
+def move_back(m, d, colour, c):
+    """The columns are back where they were."""
+    first = m.colour_member[colour]
+
+    for k in range(first, first + m.colour_members[colour]):
+        b = m.member_block[k]
+
+        if c < m.block_size[b]:
+            p = m.block_place[b] + c
+            d.x[m.place_x[p]] = d.right[p]
+
+
+@kernel
+def read_columns(m, d, colour, c, row):
+    """These columns of J from the rates, and those before at d.stage's `row`."""
+    first = m.colour_member[colour]
+
+    for k in range(first, first + m.colour_members[colour]):
+        b = m.member_block[k]
+
+        if c >= m.block_size[b]:
+            continue
+
+        change = d.right[m.n_x + m.block_place[b] + c]
+
+        for entry in range(m.block_column[b], m.block_column[b] + m.block_columns[b]):
+            e = m.column_element[entry]
+            at = c - m.element_first[e]
+            width = m.element_width[e]
+
+            if 0 <= at < width:
+                to = m.column_row[entry]
+
+                for i in range(m.block_size[to]):
+                    x = m.place_x[m.block_place[to] + i]
+                    d.jacobian[m.element_value[e] + width * i + at] = (
+                        d.x_rate[x] - d.stage[row * m.n_x + x]
+                    ) / change
+
+
+@apart(int64(MODEL, DATA, int64))
+def find_jacobian(m, d, row):
+    """J = df/dx by forward differences at x, the time and the inputs now; needs f there in d.stage's `row`. Returns a status.
 
     Increments are in proportion to the error weights, which know the sizes of the states, and large enough for the rounding
     of accelerations of parts of next to no inertia. Leaves unwidened weights.
     """
-    n = m.n_x
-    failure = OK
     control.weigh(m, d)
 
-    # nothing depends on angles outside the tree but through their turns
-    for k in range(n):
-        for column in range(n - m.n_turn, n):
-            d.jacobian[n * k + column] = 0.0
+    for k in range(m.n_jacobian):
+        d.jacobian[k] = 0.0
 
-    for column in range(n - m.n_turn):
-        x = d.x[column]
-        d.x[column] = x + INCREMENT / m.tolerance[0] * d.x_scale[column]
-        change = d.x[column] - x
-        failure = evaluate(m, d, s)
-        d.x[column] = x
+    for colour in range(m.n_colour):
+        for c in range(m.colour_width[colour]):
+            move_columns(m, d, colour, c)
+            failure = evaluate_now(m, d)
+            move_back(m, d, colour, c)
 
-        if failure != OK:
-            break
+            if failure != OK:
+                return failure
 
-        for k in range(n):
-            d.jacobian[n * k + column] = (d.x_rate[k] - d.stage[k]) / change
+            read_columns(m, d, colour, c, row)
 
-    return failure
+    return OK
+
+
+@kernel
+def multiply(m, d, x, y):
+    """d.stage[y:] = J d.stage[x:], both in the order of elimination. Returns the square of its length."""
+    size = 0.0
+
+    for b in range(m.n_block):
+        for i in range(m.block_size[b]):
+            value = 0.0
+
+            for e in range(m.block_element[b], m.block_element[b] + m.block_elements[b]):
+                row = m.element_value[e] + m.element_width[e] * i
+                at = x + m.block_place[m.element_block[e]] + m.element_first[e]
+
+                for c in range(m.element_width[e]):
+                    value += d.jacobian[row + c] * d.stage[at + c]
+
+            d.stage[y + m.block_place[b] + i] = value
+            size += value * value
+
+    return size
 
 
 @kernel
@@ -61,20 +133,12 @@ def spectral_radius(m, d, row):
     y = (row + 1) * n
     growth = 0.0
 
-    for k in range(n):
-        d.stage[x + k] = math.cos(1.7 * k * k + 0.3)
+    for p in range(n):
+        k = m.place_x[p]
+        d.stage[x + p] = math.cos(1.7 * k * k + 0.3)
 
     for turn in range(12):
-        size = 0.0
-
-        for i in range(n):
-            value = 0.0
-
-            for j in range(n):
-                value += d.jacobian[n * i + j] * d.stage[x + j]
-
-            d.stage[y + i] = value
-            size += value * value
+        size = multiply(m, d, x, y)
 
         if not 0.0 < size < math.inf:
             return 0.0

@@ -8,9 +8,9 @@ from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, is_finite, set_time, store_rate
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
 from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
-from . import control, memory
+from ..status import CHANGE_METHOD, NOT_ATTAINED, OK, TOO_MUCH_WORK, status, tell
+from . import choice, control, memory
 from .tableaux import (
     DENSE,
     DENSE_COUNT,
@@ -34,9 +34,12 @@ EXTENSION_ALLOWED = 20.0
 UNSEEN_ALLOWED = 3.0
 UNSEEN = 3.0
 
-# steps at the border of stability that make a motion stiff, and steps in a row within it that make it not (docs/theory.md 18.6)
-STIFF_AFTER = 15.0
-STABLE_AFTER = 6.0
+# the tolerance of a step past a singular position, where what rounding and the stages' errors make of the rows is large: nothing is
+# gained by less. What a row adds to the others there, and beside what it adds elsewhere in the step; or alone (docs/theory.md 18.4)
+ATTAINABLE = 1e-9
+SINGULAR = 1e-4
+PASSING = 0.1
+NOTHING = 1e-7
 
 # h |lambda| of a decaying motion that lasts, and the cosine that tells decay
 STIFF_DECAY = 1.5
@@ -230,22 +233,6 @@ def is_at_border(m, d, pair, step):
 
 
 @inlined
-def is_stiff(m, d, pair, step):
-    """Whether the steps have long been at the border of stability."""
-    if is_at_border(m, d, pair, step):
-        d.stable_steps[0] = 0.0
-        d.stiff_steps[0] += 1.0
-        return d.stiff_steps[0] >= STIFF_AFTER
-
-    d.stable_steps[0] += 1.0
-
-    if d.stable_steps[0] >= STABLE_AFTER:
-        d.stiff_steps[0] = 0.0
-
-    return False
-
-
-@inlined
 def length_to_try(m, d, h, left, onward):
     """(step (s) of at most h, whether it ends at the communication point, `left` (s) away, or would, whether it passes that).
 
@@ -257,13 +244,30 @@ def length_to_try(m, d, h, left, onward):
 
 
 @inlined
-def try_step(m, d, pair, s, step, passes):
+def allowance(m):
+    """How many times the allowed error is allowed in a step past a singular position."""
+    return max(1.0, ATTAINABLE / max(m.tolerance[0], m.absolute_tolerance[0]))
+
+
+@inlined
+def tell_singular(m, d):
+    """Says once that the tolerance is not attained."""
+    if d.singular_told[0] == 0.0:
+        d.singular_told[0] = 1.0
+        tell(d, status(NOT_ATTAINED, 0), m.tolerance[0], allowance(m) * m.tolerance[0])
+
+
+@inlined
+def try_step(m, d, pair, s, step, passes, share):
     """d.x a step (s) after x_before, at s (s), projected; with the continuous extension where the step `passes` H.
 
-    Needs the rate at s in stage 0. Returns (error that decides about the step and the next, estimate of it that is told, status).
+    Needs the rate at s in stage 0; share : d.least_share there, negative where that is not known. Returns (error that
+    decides about the step and the next, estimate of it that is told, status).
     Errors: 1: just allowed, inf: not a number, or the status tells why there is no step.
     """
     failure = OK
+    least = share if share >= 0.0 else 1.0
+    most = share
 
     for stage in range(1, STAGE_COUNT[pair]):
         advance(m, d, pair, stage, step)
@@ -274,18 +278,31 @@ def try_step(m, d, pair, s, step, passes):
 
         store_rate(m, d, stage)
 
+        if m.n_row > 0:
+            least = min(least, d.least_share[0])
+            most = max(most, d.least_share[0])
+
+    singular = least < NOTHING or (least < SINGULAR and least < PASSING * most)
     error, fine = local_error(m, d, pair, step)
+    told = error
 
     if not (error < math.inf and is_finite(d, m.n_x)):
         return math.inf, math.inf, OK
 
+    if singular and error > 1.0:
+        error /= allowance(m)
+        fine /= allowance(m)
+
     if error > 1.0:
-        return error, error, OK
+        return error, told, OK
+
+    if told > 1.0:
+        tell_singular(m, d)
 
     failure = project(m, d)
 
     if failure != OK or not passes:
-        return error if failure == OK else math.inf, error, failure
+        return error if failure == OK else math.inf, told, failure
 
     for k in range(m.n_x):
         d.front[k] = d.x[k]
@@ -296,7 +313,10 @@ def try_step(m, d, pair, s, step, passes):
     if failure != OK or not extension < math.inf:
         return math.inf, math.inf, failure
 
-    estimate = max(error, extension)
+    if singular and extension > 1.0:
+        extension /= allowance(m)
+
+    estimate = max(told, extension)
 
     # where the motion is smooth and the extension good, the step is what it would be without
     if unseen:
@@ -339,6 +359,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
     h = d.next_step[pair]
     known = memory.recall_rate(m, d)  # stage 0 holds the rate at s
     end = OK
+    share = -1.0
 
     while s < H and end == OK:
         if control.is_spent(d):
@@ -353,6 +374,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
 
             store_rate(m, d, 0)
             known = True
+            share = d.least_share[0] if m.n_row > 0 else -1.0
 
         control.weigh(m, d)
 
@@ -366,10 +388,10 @@ def adaptive(m, d, s, H, pair, onward, watch):
             return control.too_small(0.0 < step < math.inf, OK), s
 
         keep_x(m, d)
-        error, estimate, failure = try_step(m, d, pair, s, step, passes)
+        error, estimate, failure = try_step(m, d, pair, s, step, passes, share)
 
         if error <= 1.0:
-            if watch and is_stiff(m, d, pair, step):
+            if watch and choice.leaves_pair(m, d, step, is_at_border(m, d, pair, step)):
                 end = status(CHANGE_METHOD, 0)
 
             known = m.n_row == 0
@@ -406,6 +428,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
                 if not (watch and error < math.inf):
                     return control.too_small(error < math.inf, failure), s
 
+                d.pair_rate[0] = 0.0
                 end = status(CHANGE_METHOD, 0)
 
     d.next_step[pair] = h

@@ -10,15 +10,15 @@ import math
 import numpy as np
 
 from ..dynamics.projection import keep_x, project, restore_x
-from ..dynamics.rates import evaluate, is_finite, store_rate
+from ..dynamics.rates import evaluate, evaluate_now, is_finite, set_time, store_rate
 from ..language import apart, inlined, kernel
 from ..math import linear
 from ..motion import coordinates
 from ..status import CHANGE_METHOD, OK, TOO_MUCH_WORK, status
 from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
 from ...steppers import STEPPERS
-from . import control, memory
-from .jacobian import LU_WORK, find_jacobian, spectral_radius
+from . import choice, control, memory
+from .jacobian import find_jacobian, spectral_radius
 
 # nodes (4 -+ sqrt 6) / 10 and 1, weights of the error estimate (-13 -+ 7 sqrt 6) / 3 and -1/3
 NODES = np.array([0.1550510257216822, 0.6449489742783178, 1.0])
@@ -64,15 +64,19 @@ ORDER = 4  # of the error estimate
 # the step is kept, and with it the factors, where it could grow by less than this
 KEEP = 1.2
 
-# J is still good when the iteration converges as fast as this
+# J is still good when the iteration converges as fast as this; one that costs more evaluations than COSTLY, as fast as that
 GOOD_RATE = 1e-3
+FAIR_RATE = 0.05
+COSTLY = 60.0
 
 # relative change of a step that its factors bear
 SAME_STEP = 1e-9
 
-# h |lambda| that an explicit method could take as well, and how many such steps in a row make a motion not stiff
-NOT_STIFF_BELOW = 3.0
-NOT_STIFF_AFTER = 10.0
+# d.jacobian_known: one that is not factored yet, and one that is
+NEW, FACTORED = 1.0, 2.0
+
+# d.lu_known: what the work arrays hold
+JACOBIAN_HERE, LU_HERE = 1.0, 2.0
 
 # rows of d.stage: f at the start, at the three stages; W; right-hand sides, real and complex
 F0, F, W, RIGHT = 0, 1, 4, 7
@@ -213,8 +217,9 @@ def find_stages(m, d, s, h):
         slip_rate_before = slip_rate
         slip = friction_residual(m, d, h)
         slip_rate = slip / slip_before if slip_before > 0.0 else 0.0
-        linear.solve(d.lu_real, d.swaps_real, n, d.stage, RIGHT * n)
-        linear.solve_complex(d.lu_complex, d.swaps_complex, n, d.stage, (RIGHT + 1) * n)
+        linear.solve(m, d.lu_real, d.swaps_real, d.stage, RIGHT * n, d.right)
+        linear.solve_complex(m, d.lu_complex, d.swaps_complex, d.stage, (RIGHT + 1) * n, d.right)
+        control.spend(d, m.solve_work[0])
         size = weighed_norm(m, d, RIGHT, 3)
 
         if not size < math.inf:
@@ -263,7 +268,7 @@ def stage_error(m, d, s, h, again):
         d.stage[W * n + k] = difference / h
         d.stage[RIGHT * n + k] = d.stage[F0 * n + k] + difference / h
 
-    linear.solve(d.lu_real, d.swaps_real, n, d.stage, RIGHT * n)
+    linear.solve(m, d.lu_real, d.swaps_real, d.stage, RIGHT * n, d.right)
     error = weighed_norm(m, d, RIGHT, 1)
 
     if again and error > 1.0:
@@ -274,7 +279,7 @@ def stage_error(m, d, s, h, again):
             for k in range(n):
                 d.stage[RIGHT * n + k] = d.x_rate[k] + d.stage[W * n + k]
 
-            linear.solve(d.lu_real, d.swaps_real, n, d.stage, RIGHT * n)
+            linear.solve(m, d.lu_real, d.swaps_real, d.stage, RIGHT * n, d.right)
             error = weighed_norm(m, d, RIGHT, 1)
 
     return error
@@ -283,55 +288,87 @@ def stage_error(m, d, s, h, again):
 @inlined
 def factor_newton(m, d, h):
     """Factors of the Newton matrices of steps of h (s), unless there are those of a step hardly other."""
-    if abs(d.lu_step[0] - h) > SAME_STEP * h:
-        d.lu_step[0] = h
-        d.lu_known[0] = 0.0
+    other = abs(d.lu_step[0] - h) > SAME_STEP * h
 
-    if d.lu_known[0] == 0.0:
+    if other:
+        d.lu_step[0] = h
+        d.lu_known[0] = JACOBIAN_HERE
+
+    # a restored run counts what the run counted
+    if other or d.jacobian_known[0] == NEW:
+        control.spend(d, m.lu_work[0])
+        d.jacobian_known[0] = FACTORED
+
+    if d.lu_known[0] != LU_HERE:
         h = d.lu_step[0]
-        linear.factor(d.jacobian, MU / h, d.lu_real, d.swaps_real, m.n_x)
-        linear.factor_complex(d.jacobian, MU_RE / h, MU_IM / h, d.lu_complex, d.swaps_complex, m.n_x)
-        control.spend(d, LU_WORK * m.n_x * m.n_x)
-        d.lu_known[0] = 1.0
+        linear.factor(m, d.jacobian, MU / h, d.lu_real, d.swaps_real)
+        linear.factor_complex(m, d.jacobian, MU_RE / h, MU_IM / h, d.lu_complex, d.swaps_complex)
+        d.lu_known[0] = LU_HERE
 
 
 @inlined
-def is_not_stiff(d, h):
-    """Whether the motion has long not been stiff."""
-    if h * d.radius[0] > NOT_STIFF_BELOW:
-        d.nonstiff_steps[0] = 0.0
-    else:
-        d.nonstiff_steps[0] += 1.0
+def new_jacobian(m, d, row):
+    """J here, where the rates stand in d.stage's `row`, and what it takes to find it again. Returns a status."""
+    for k in range(m.n_x):
+        d.jacobian_x[k] = d.x[k]
 
-    return d.nonstiff_steps[0] >= NOT_STIFF_AFTER
+    d.jacobian_time[0] = d.now[0]
+
+    for k in range(m.n_u):
+        d.jacobian_input[k] = d.input[k]
+
+    failure = find_jacobian(m, d, row)
+    d.jacobian_known[0] = NEW if failure == OK else 0.0
+    d.lu_known[0] = JACOBIAN_HERE
+    return failure
+
+
+@kernel
+def jacobian_again(m, d):
+    """J as it was found, where it is in use but not here: its place alone stands in the state. Not counted. Returns a status."""
+    evaluations = d.evaluations[0]
+    d.now[0] = d.jacobian_time[0]
+
+    for k in range(m.n_u):
+        d.input[k] = d.jacobian_input[k]
+
+    for k in range(m.n_x):
+        d.x[k] = d.jacobian_x[k]
+
+    failure = evaluate_now(m, d)
+    store_rate(m, d, W)
+
+    if failure == OK:
+        failure = find_jacobian(m, d, W)
+
+    restore_x(m, d)
+    d.evaluations[0] = evaluations
+    d.lu_known[0] = JACOBIAN_HERE
+    return failure
 
 
 @inlined
 def find_rate_and_jacobian(m, d, s, known, watch):
     """f at x and s (s) into stage F0 unless it is `known` to be there, J unless there is one. Returns (J is of this x, status)."""
-    if not known:
+    failure = OK
+
+    if d.jacobian_known[0] != 0.0 and d.lu_known[0] == 0.0:
+        failure = jacobian_again(m, d)
+
+    if failure == OK and not known:
         failure = evaluate(m, d, s)
-
-        if failure != OK:
-            return False, failure
-
         store_rate(m, d, F0)
 
-    if d.jacobian_known[0] != 0.0:
-        return False, OK
-
-    failure = find_jacobian(m, d, s)
-
-    if failure != OK:
+    if failure != OK or d.jacobian_known[0] != 0.0:
         return False, failure
 
-    d.jacobian_known[0] = 1.0
-    d.lu_known[0] = 0.0
+    set_time(m, d, s)
+    failure = new_jacobian(m, d, F0)
 
     if watch:
-        d.radius[0] = spectral_radius(m, d, RIGHT)
+        choice.see_radius(d, spectral_radius(m, d, RIGHT))
 
-    return True, OK
+    return True, failure
 
 
 @kernel
@@ -341,19 +378,13 @@ def find_jacobian_ahead(m, d, s, step):
         d.x[k] = d.x_before[k] + d.dense[2 * m.n_x + k]
 
     failure = evaluate(m, d, s + step)
+    store_rate(m, d, W)
 
     if failure == OK:
-        store_rate(m, d, F0)
-        failure = find_jacobian(m, d, s + step)
-        d.lu_known[0] = 0.0
+        failure = new_jacobian(m, d, W)
 
     restore_x(m, d)
     weigh(m, d)
-
-    if failure == OK:
-        failure = evaluate(m, d, s)
-        store_rate(m, d, F0)
-
     return failure
 
 
@@ -411,7 +442,7 @@ def try_step(m, d, s, step, again):
 
 
 @inlined
-def length_after(d, step, error, iterations, rate):
+def length_after(m, d, step, error, iterations, rate):
     """Length (s) of the step after one that is accepted; counts it, and tells whether J is too old."""
     factor = min(
         control.GROW,
@@ -424,7 +455,9 @@ def length_after(d, step, error, iterations, rate):
     d.error_before[0] = max(error, control.LEAST_ERROR)
     d.step_before[0] = step
 
-    if iterations > 2 and rate > GOOD_RATE:
+    good = FAIR_RATE if m.jacobian_work[0] + m.lu_work[0] > COSTLY else GOOD_RATE
+
+    if iterations > 2 and rate > good:
         d.jacobian_known[0] = 0.0
     elif factor < KEEP:
         factor = 1.0
@@ -463,6 +496,10 @@ def adaptive(m, d, s, H, watch):
 
     watch : give up when the motion is not stiff. Returns (status, time reached within H); status CHANGE_METHOD when it gave up.
     """
+    # where it would be found again, commands are not what they were
+    if m.n_command > 0:
+        d.jacobian_known[0] = 0.0
+
     h = d.next_step[RADAU]
     known = memory.recall_rate(m, d)  # stage F0 holds the rate at s
     here = False  # J is of this x
@@ -497,13 +534,13 @@ def adaptive(m, d, s, H, watch):
 
         if error <= 1.0:
             s = H if ends else s + step
-            length = length_after(d, step, error, iterations, rate)
+            length = length_after(m, d, step, error, iterations, rate)
             h = max(h, length) if ends and step < h else length
             known = False
             here = False
             again = False
 
-            if watch and is_not_stiff(d, step):
+            if watch and choice.leaves_implicit(m, d, step):
                 end = status(CHANGE_METHOD, 0)
 
         else:

@@ -10,7 +10,7 @@ from ..language import kernel
 from ..math import linear
 from ..status import OK
 from . import control
-from .jacobian import LU_WORK, find_jacobian
+from .jacobian import find_jacobian
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 
@@ -27,18 +27,18 @@ def step(m, d, s, h):
 
     if failure == OK:
         store_rate(m, d, 0)
-        failure = find_jacobian(m, d, s)
+        failure = find_jacobian(m, d, 0)
 
     if failure != OK:
         return failure
 
-    linear.factor(d.jacobian, mu, d.lu_real, d.swaps_real, n)
-    control.spend(d, LU_WORK * n * n)
+    linear.factor(m, d.jacobian, mu, d.lu_real, d.swaps_real)
+    control.spend(d, m.lu_work[0])
 
     for k in range(n):
         d.stage[k] *= mu
 
-    linear.solve(d.lu_real, d.swaps_real, n, d.stage, 0)
+    linear.solve(m, d.lu_real, d.swaps_real, d.stage, 0, d.right)
 
     for k in range(n):
         d.x[k] = d.x_before[k] + h * d.stage[k]
@@ -51,7 +51,7 @@ def step(m, d, s, h):
     for k in range(n):
         d.stage[n + k] = mu * (d.x_rate[k] - 2.0 * d.stage[k])
 
-    linear.solve(d.lu_real, d.swaps_real, n, d.stage, n)
+    linear.solve(m, d.lu_real, d.swaps_real, d.stage, n, d.right)
 
     for k in range(n):
         d.x[k] = d.x_before[k] + 0.5 * h * (3.0 * d.stage[k] + d.stage[n + k])
