@@ -4,7 +4,7 @@ from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, view_file
 from ..settings import settings_of
-from ..terminal import doing_first, err, note, out
+from ..terminal import doing_here, err, note, out
 
 
 def add(commands):
@@ -36,7 +36,7 @@ def run(options):
 
     from ...view.show import at_start, show
 
-    with doing_first(f"{options.scene}: assembling it"):
+    with doing_here(f"{options.scene}: assembling it"):
         found = at_start(model, parameters, inputs)
 
     note(found.notices)
