@@ -66,6 +66,9 @@ ORIENTATION = Coordinate(EULER_PARAMETERS, OMEGA, Quantity("torque", "N.m", 3))
 FREE_ORIENTATION = ORIENTATION._replace(effort=Quantity("moment", "N.m", 3))
 
 
+YAW_PITCH_ROLL = Coordinate(ZYX, ZYX_RATE, Quantity("torque", "N.m", 3))
+
+
 def acceleration_of(coordinate: Coordinate) -> Quantity:
     """The second rate of a joint's one coordinate."""
     return Quantity("acceleration", f"{coordinate.position.unit}/s2")
@@ -96,6 +99,12 @@ EFFORT_OUTPUTS = {
     "driver_effort": "driver",
 }
 """Efforts along a joint's coordinate on its second marker, N or N m: each of one of the joint's keys."""
+
+POSE_EFFORTS = table(
+    Quantity("driver_force", "N", 3, "force of the driver along x, y, z of the first marker"),
+    Quantity("driver_torque", "N.m", 3, "torque of the driver about the axes of yaw, pitch, roll"),
+)
+"""Of a joint whose six coordinates are driven, on its second marker, each along its coordinate."""
 
 REACTIONS = table(
     Quantity("reaction_force", "N", 3, "force"),

@@ -103,7 +103,7 @@ MESSAGES = [
     ]),
     (ARM, 'revolute = { axis = "y" }', 'revolut = { axis = "y" }', [
         '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
-        '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", '
+        '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", "prescribed", '
         '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", '
         '"knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface", "frame_on_curve" or "frame_on_surface"; found "revolut", '
         '"between", "start", "input" and "output". '

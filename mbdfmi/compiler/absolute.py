@@ -17,7 +17,7 @@ def start_motion(model):
     """How the bodies and joints of a model in relative coordinates start once its loops are closed.
 
     Returns (body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes, and
-    (joint that a rotor turns with, 0) -> (position, speed); angles of joints: (joint, which of its coordinates) -> rad).
+    (joint that stays in the tree, which of its coordinates) -> (position, speed); angles of joints: (joint, which of its coordinates) -> rad).
     """
     m, d = model.views()
 
@@ -41,8 +41,9 @@ def start_motion(model):
         v = np.concatenate([dot(A[g].T, seen), dot(A[g].T, w[i] - w[g])])
         motion[body] = (q, v)
 
-    for i in m.rotor_body:
-        motion[model.tree.nodes[i].joint, 0] = (d.q[m.body_q[i]], d.v[m.body_v[i]])
+    for i, node in enumerate(model.tree.nodes):
+        if node.joint and model.scene.joint[node.joint].stays_in_tree:
+            motion[node.joint, node.coordinate] = (d.q[m.body_q[i]], d.v[m.body_v[i]])
 
     return motion, _angles(model, m, d)
 
@@ -67,7 +68,7 @@ def _angles(model, m, d):
 def add_absolute_starts(builder, motion):
     """Start values of nodes that hang freely on the ground, as parameters named after their first body.
 
-    And of joints that rotors turn with, whose parameters joint_starts.py has added.
+    And of joints that stay in the tree, whose parameters joint_starts.py has added.
     """
     ground = builder.tree.home["ground"][0]
 
@@ -76,7 +77,7 @@ def add_absolute_starts(builder, motion):
             continue
 
         if node.joint:
-            q, v = motion[node.joint, 0]
+            q, v = motion[node.joint, node.coordinate]
             builder.single["q_start"][builder.q[i]] = q
             builder.single["v_start"][builder.v[i]] = v
             continue

@@ -1,11 +1,12 @@
 """Prescribed motion of joints and of the ground."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ..kernels.motion import courses, drives
-from ..vocabulary import GROUND_INPUTS, acceleration_of
+from ..vocabulary import ANGLE, GROUND_INPUTS, SLIDE, Coordinate, acceleration_of
 from .builder import Place
 from .variables import dotted
 
@@ -34,14 +35,13 @@ def add_drives(builder):
         if joint.driver is None:
             continue
 
-        in_tree = name in builder.joint_nodes
-        node = builder.joint_nodes[name][0] if in_tree else -1
-        drive = _add_joint_drive(builder, name, joint, node)
+        for moved, node in zip(driven_coordinates(name, joint), builder.joint_nodes.get(name, [-1])):
+            drive = JOINT_DRIVES[moved.driver.kind](builder, moved, node)
 
-        if in_tree:
-            builder.drive_of[node] = drive
-        else:
-            builder.driven_cuts[name] = drive
+            if node >= 0:
+                builder.drive_of[node] = drive
+            else:
+                builder.driven_cuts[name] = drive
 
 
 @dataclass(frozen=True)
@@ -84,71 +84,101 @@ def _belonging(names, quantity, missing):
     return text + (f"; {' and '.join(missing)} found from the last commands" if missing else "")
 
 
-# of joints: name, joint, node that it holds -> index of the drive
+class Driven(NamedTuple):
+    """A coordinate whose motion a driver prescribes. path : what variables call it. start : position, speed and acceleration."""
+
+    joint: str
+    path: tuple[str, ...]
+    driver: object
+    coordinate: Coordinate
+    start: tuple[float, float, float]
+
+    @property
+    def text(self) -> str:
+        """What descriptions call it."""
+        return " of ".join(reversed(self.path))
 
 
-def _constant_speed(builder, name, joint, node):
-    speed = joint.driver.speed()
-    drive = _add(builder, Drive(drives.CONSTANT_SPEED, node, (joint.start_position()[0], speed)))
+def driven_coordinates(name, joint) -> list[Driven]:
+    """What a joint's driver moves: its one coordinate, or each of six."""
+    if joint.kind == "prescribed":
+        return [
+            Driven(name, (name, key), driver, SLIDE if k < 3 else ANGLE, (start, 0.0, 0.0))
+            for k, (key, driver, start) in enumerate(joint.driven())
+        ]
+
     (coordinate,) = joint.coordinates
+    start = float(joint.start_position()[0]), float(joint.start_velocity()[0]), 0.0
+    return [Driven(name, (name,), joint.driver, coordinate, start)]
+
+
+# of joints: a coordinate, node that it holds (-1: it closes a loop) -> index of the drive
+
+
+def _constant_speed(builder, moved, node):
+    speed = moved.driver.speed()
+    drive = _add(builder, Drive(drives.CONSTANT_SPEED, node, (moved.start[0], speed)))
     place = Place("drive_value", drive, 1)
-    about = f"prescribed speed of {name}"
-    builder.add_parameters(dotted(name, "speed_driven"), place, speed, coordinate.rate.unit, about)
+    about = f"prescribed speed of {moved.text}"
+    builder.add_parameters(
+        dotted(*moved.path, "speed_driven"), place, speed, moved.coordinate.rate.unit, about
+    )
     return drive
 
 
-def _hold(builder, name, joint, node):
-    return _add(builder, Drive(drives.CONSTANT_SPEED, node, (joint.start_position()[0], 0.0)))
+def _hold(builder, moved, node):
+    return _add(builder, Drive(drives.CONSTANT_SPEED, node, (moved.start[0], 0.0)))
 
 
-def _waves(builder, name, joint, node):
+def _waves(builder, moved, node):
     """One harmonic or the sum of several."""
-    harmonics = getattr(joint.driver, joint.driver.kind)
-    (coordinate,) = joint.coordinates
-    unit = coordinate.position.unit
+    harmonics = getattr(moved.driver, moved.driver.kind)
+    unit = moved.coordinate.position.unit
     waves, mean = harmonics.waves(), harmonics.mean_value()
     first = [builder.tables["n_wave"].add(wave_value=wave) for wave in waves][0]
     drive = _add(builder, Drive(drives.HARMONIC, node, (mean,), at=first, terms=len(waves)))
-    about = f"mean of the motion of {name}"
+    about = f"mean of the motion of {moved.text}"
     builder.add_parameters(
-        dotted(name, "driver", "mean"), Place("drive_value", drive), mean, unit, about, "fixed"
+        dotted(*moved.path, "driver", "mean"), Place("drive_value", drive), mean, unit, about, "fixed"
     )
 
     for k, wave in enumerate(waves):
         ending = f"[{k + 1}]" if np.ndim(harmonics.frequency) else ""
 
         for offset, (quantity, of) in enumerate((("amplitude", unit), ("frequency", "Hz"), ("phase", "rad"))):
-            about = f"{quantity} of the motion of {name}"
-            variable = dotted(name, "driver", quantity) + ending
+            about = f"{quantity} of the motion of {moved.text}"
+            variable = dotted(*moved.path, "driver", quantity) + ending
             place = Place("wave_value", first + k, offset)
             builder.add_parameters(variable, place, wave[offset], of, about, "fixed")
 
     return drive
 
 
-def _polynomial(builder, name, joint, node):
-    value = joint.driver.polynomial.values()
+def _polynomial(builder, moved, node):
+    value = moved.driver.polynomial.values()
     drive = _add(builder, Drive(drives.POLYNOMIAL, node, value, terms=len(value)))
-    (coordinate,) = joint.coordinates
-    units = [coordinate.position.unit, coordinate.rate.unit, acceleration_of(coordinate).unit]
+    units = [
+        moved.coordinate.position.unit,
+        moved.coordinate.rate.unit,
+        acceleration_of(moved.coordinate).unit,
+    ]
     units = (units + [None] * 16)[: len(value)]
-    about = f"coefficients of the powers of time of {name}, SI"
-    variable = dotted(name, "driver", "coefficients")
+    about = f"coefficients of the powers of time of {moved.text}, SI"
+    variable = dotted(*moved.path, "driver", "coefficients")
     builder.add_parameters(variable, Place("drive_value", drive), value, units, about, "fixed")
     return drive
 
 
-def _ramp(builder, name, joint, node):
+def _ramp(builder, moved, node):
     """A smooth way from one position to another."""
-    value = joint.driver.ramp.values()
+    value = moved.driver.ramp.values()
     drive = _add(builder, Drive(drives.RAMP, node, value))
-    (coordinate,) = joint.coordinates
-    position = coordinate.position
+    position = moved.coordinate.position
 
     for k, end in enumerate(("begin", "end")):
         for offset, quantity, of in ((2 * k, "time", "s"), (2 * k + 1, position.name, position.unit)):
-            about = f"{quantity} of {name} at the {'beginning' if k == 0 else 'end'} of its ramp"
-            variable = dotted(name, "driver", f"{quantity}_{end}")
+            about = f"{quantity} of {moved.text} at the {'beginning' if k == 0 else 'end'} of its ramp"
+            variable = dotted(*moved.path, "driver", f"{quantity}_{end}")
             builder.add_parameters(
                 variable, Place("drive_value", drive, offset), value[offset], of, about, "fixed"
             )
@@ -156,35 +186,35 @@ def _ramp(builder, name, joint, node):
     return drive
 
 
-def _table(builder, name, joint, node):
-    table = joint.driver.table
+def _table(builder, moved, node):
+    table = moved.driver.table
     return _add(
         builder, Drive(drives.TABLE, node, at=builder.tables_over_time(table.interpolation, *table.points()))
     )
 
 
-def _speed_table(builder, name, joint, node):
-    table = joint.driver.speed_table
+def _speed_table(builder, moved, node):
+    table = moved.driver.speed_table
     at = builder.tables_over_time(table.interpolation, *table.points())
-    return _add(builder, Drive(drives.SPEED_TABLE, node, (joint.start_position()[0],), at=at))
+    return _add(builder, Drive(drives.SPEED_TABLE, node, (moved.start[0],), at=at))
 
 
-def _commands(builder, name, joint, node):
+def _commands(builder, moved, node):
     """What inputs tell of the motion."""
-    (coordinate,) = joint.coordinates
-    quantities = (coordinate.position, coordinate.rate, acceleration_of(coordinate))
-    told = len(joint.driver.commands())
-    names = [dotted(name, f"{quantity.name}_command") for quantity in quantities[:told]]
+    quantities = (moved.coordinate.position, moved.coordinate.rate, acceleration_of(moved.coordinate))
+    told = len(moved.driver.commands())
+    names = [dotted(*moved.path, f"{quantity.name}_command") for quantity in quantities[:told]]
     missing = [quantity.name for quantity in quantities[told:]]
-    starts = (joint.start_position, joint.start_velocity, lambda: [0.0])
-    nodes = builder.nodes_of(name)
+    nodes = builder.nodes_of(moved.joint)
     inputs = [-1, -1, -1]
 
-    for k, (quantity, variable, start) in enumerate(zip(quantities, names, starts)):
-        about = f"{quantity.name} that {name} is driven to" + _belonging(names, variable, missing)
-        inputs[k] = builder.add_inputs(variable, quantity, about, nodes, moves=True, start=float(start()[0]))
+    for k, (quantity, variable, start) in enumerate(zip(quantities, names, moved.start)):
+        about = f"{quantity.name} that {moved.text} is driven to" + _belonging(names, variable, missing)
+        inputs[k] = builder.add_inputs(variable, quantity, about, nodes, moves=True, start=float(start))
 
-    return _add(builder, Drive(drives.INPUT, node, channels=((inputs, coordinate.position.unit == "rad"),)))
+    return _add(
+        builder, Drive(drives.INPUT, node, channels=((inputs, moved.coordinate.position.unit == "rad"),))
+    )
 
 
 JOINT_DRIVES = {
@@ -198,11 +228,6 @@ JOINT_DRIVES = {
     "speed_table": _speed_table,
     "input": _commands,
 }
-
-
-def _add_joint_drive(builder, name, joint, node):
-    """Index of a joint's drive; node: that it holds, or -1."""
-    return JOINT_DRIVES[joint.driver.kind](builder, name, joint, node)
 
 
 # of the ground

@@ -132,6 +132,9 @@ JOINT_KINDS = {
     "translation": JointKind(("prismatic",) * 3, axes=lambda joint: np.eye(3), rows=LOCKED),
     "spherical": JointKind(("spherical",), _no_axis, rows=TOGETHER),
     "free": JointKind(("free",), _no_axis),
+    "prescribed": JointKind(
+        ("prismatic",) * 3 + ("revolute",) * 3, axes=lambda joint: np.eye(3)[[0, 1, 2, 2, 1, 0]]
+    ),
     "point_on_plane": JointKind(rows=IN_Z),
     "point_on_line": JointKind(rows=IN_X_AND_Y),
     "distance": JointKind(rows=((rows.DISTANCE, 0, 0),), value=lambda joint: joint.length),

@@ -3,8 +3,9 @@
 from ..kernels import notes
 from ..scene.starts import ENDINGS
 from .builder import Place, Told
+from .drives import driven_coordinates
 from .joint_kinds import kind_of, led_too, scalars
-from .start import start_position
+from .start import position_at_start
 from .variables import dotted
 
 TOLD = {
@@ -23,7 +24,8 @@ def add_start(builder, name, joint):
         return
 
     q, v = joint.start_position(), joint.start_velocity()
-    q = led_too(joint, [start_position(joint)] if joint.driver else q)
+    driven = driven_coordinates(name, joint) if joint.driver else []
+    q = [position_at_start(of.driver, of.start[0]) for of in driven] or led_too(joint, q)
     v = led_too(joint, v)
     led = kind_of(joint).led(joint)
 

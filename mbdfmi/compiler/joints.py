@@ -4,14 +4,22 @@ import numpy as np
 
 from ..kernels import outputs
 from ..scene.starts import ENDINGS
-from ..vocabulary import EFFORT_OUTPUTS, END_FRAME_AXES, PARAMETERS, POSE_OUTPUTS, REACTIONS, ROTATION_OUTPUTS
+from ..vocabulary import (
+    EFFORT_OUTPUTS,
+    END_FRAME_AXES,
+    PARAMETERS,
+    POSE_EFFORTS,
+    POSE_OUTPUTS,
+    REACTIONS,
+    ROTATION_OUTPUTS,
+)
 from .bodies import MARKER_KINDS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
 from .end_frames import add_axis_output, add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
-from .variables import dotted
+from .variables import dotted, subscripts
 
 # a joint is seen as its second marker from its first
 POSE_KINDS = {word: MARKER_KINDS[word] for word in POSE_OUTPUTS | ROTATION_OUTPUTS}
@@ -187,7 +195,9 @@ def _add_outputs(builder, name, joint, parts, fed_by):
             about = f"power with which all that acts in {name} works on the bodies"
             source = Source(kind, builder.coordinate(name))
             builder.add_outputs(dotted(name, output), source, "W", about, builder.nodes_of(name), fed_by)
-        elif kind_of(joint).is_pose:
+        elif output in POSE_EFFORTS:
+            _add_pose_efforts(builder, name, output)
+        elif kind_of(joint).is_pose or joint.kind == "prescribed":
             _add_pose_output(builder, name, joint, output)
         else:
             _add_coordinate_outputs(builder, name, joint, output)
@@ -216,6 +226,19 @@ def _add_pose_output(builder, name, joint, output):
     source = Source(POSE_KINDS[output], *map(builder.marker, joint.between))
     about = f"{quantity.text} of {name}: second marker in the first"
     builder.add_outputs(dotted(name, output), source, quantity.unit, about, builder.nodes_of(name))
+
+
+def _add_pose_efforts(builder, name, output):
+    """What drives a prescribed joint, along its coordinates."""
+    quantity = POSE_EFFORTS[output]
+    first = 3 * list(POSE_EFFORTS).index(output)
+
+    for k, ending in enumerate(subscripts(quantity.shape)):
+        source = Source(outputs.DRIVE_EFFORT, builder.coordinate(name, first + k))
+        about = f"{quantity.text} of {name}"
+        builder.add_outputs(
+            dotted(name, output) + ending, source, quantity.unit, about, builder.nodes_of(name)
+        )
 
 
 def _add_coordinate_outputs(builder, name, joint, output):

@@ -27,8 +27,11 @@ def start_pose(builder, end):
 
 def start_position(joint):
     """The first scalar coordinate of a joint (rad or m): what its driver asks for at time 0, or its start value."""
-    driver = joint.driver
+    return position_at_start(joint.driver, float(joint.start_position()[0]))
 
+
+def position_at_start(driver, start):
+    """What a driver asks for at time 0 (rad or m), or the start value where it goes on from there."""
     if driver and driver.kind == "table":
         time, position = driver.table.points()
         return float(curve(driver.table.interpolation, time, position)(np.clip(0.0, time[0], time[-1])))
@@ -36,7 +39,7 @@ def start_position(joint):
     if driver and driver.kind in ("harmonic", "harmonics", "polynomial", "ramp"):
         return getattr(driver, driver.kind).at(0.0)
 
-    return float(joint.start_position()[0])
+    return start
 
 
 def coupled_angles(scene):

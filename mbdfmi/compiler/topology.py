@@ -80,6 +80,7 @@ def spanning_tree(scene: SceneData, first=()) -> Tree:
     }
     order = sorted(ends, key=lambda name: (name not in first, *_preference(scene.joint[name])))
     order.sort(key=lambda name: not scene.joint[name].turning)
+    order.sort(key=lambda name: scene.joint[name].kind != "prescribed")
     chosen = _chosen(order, ends, len(welded), group_of["ground"])
     joints_at = [[] for _ in welded]
 
@@ -134,8 +135,14 @@ def _chosen(order, ends, n_group, ground):
 
 
 def _check_rotors(scene, cuts):
-    """Raises SceneError where a joint that a rotor turns with closes a loop: so do all others of the loop have rotors."""
+    """Raises SceneError where a joint that a rotor turns with closes a loop: so do all others of the loop have rotors; or one that is
+    prescribed, as all others are.
+    """
     for name in cuts:
+        if scene.joint[name].kind == "prescribed":
+            text = "all joints of this loop are prescribed, and what one of them prescribes the others do already; drop one of them"
+            raise SceneError([Problem(("joint", name), text)])
+
         if scene.joint[name].turning:
             text = (
                 "all joints of this loop have a rotor, and one of them must close it, which has no coordinate for a rotor to "
@@ -147,10 +154,11 @@ def _check_rotors(scene, cuts):
 def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
     """The tree of absolute coordinates: every node with bodies hangs on the ground by a free joint, every joint is a constraint.
 
-    But for joints that rotors turn with: these need their coordinates. The nodes' frames stay those of `tree`.
+    But for joints that rotors turn with, and prescribed ones: these need their coordinates. The nodes' frames stay those of `tree`.
     """
     ground = tree.home["ground"][0]
-    kept = [i for i, node in enumerate(tree.nodes) if i <= ground or node.bodies]
+    stays = {name for name, joint in scene.joint.items() if joint.stays_in_tree}
+    kept = [i for i, node in enumerate(tree.nodes) if i <= ground or node.bodies or node.joint in stays]
     new = {i: k for k, i in enumerate(kept)}
     nodes = []
 
@@ -158,14 +166,13 @@ def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
         node = tree.nodes[i]
 
         if i > ground:
-            turns = scene.joint[node.joint].turning
             free = Node(ground, "", "free", 0, False, IDENTITY, node.bodies)
-            node = replace(node, parent=new[node.parent]) if turns else free
+            node = replace(node, parent=new[node.parent]) if node.joint in stays else free
 
         nodes.append(node)
 
     home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
-    cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and not joint.turning]
+    cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and name not in stays]
     return Tree(nodes, home, cuts)
 
 

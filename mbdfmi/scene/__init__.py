@@ -33,6 +33,7 @@ from .joints import (
 )
 from .measures import Measure
 from .names import fmi_name, variable_name
+from .prescribed import Prescribed
 from .reader import parse_scene, read_scene
 from .schema import SceneData, Solver
 from .writer import write_scene
@@ -66,6 +67,7 @@ __all__ = [
     "PointOnLine",
     "PointOnPlane",
     "PointOnSurface",
+    "Prescribed",
     "Prismatic",
     "Problem",
     "Rack",

@@ -64,6 +64,11 @@ class JointBase(Part):
         return {key for key in keys if getattr(start, key) is not None}
 
     @property
+    def stays_in_tree(self):
+        """Whether the joint needs its coordinates in every formulation."""
+        return bool(self.turning)
+
+    @property
     def holds_position(self):
         """Whether the start says where the joint is."""
         return any(not key.startswith(RATES) for key in self.start_given)
@@ -101,14 +106,19 @@ class JointBase(Part):
         return self.start.v()
 
 
-class Plain(JointBase):
-    """A joint in which nothing acts but, maybe, efforts from outside."""
+class Passive(JointBase):
+    """A joint in which nothing acts but, maybe, efforts from outside and a driver."""
 
     spring: ClassVar[None] = None
     damper: ClassVar[float] = 0.0
     friction: ClassVar[None] = None
     turning: ClassVar[None] = None
     stop: ClassVar[None] = None
+
+
+class Plain(Passive):
+    """A joint in which nothing acts but, maybe, efforts from outside."""
+
     driver: ClassVar[None] = None
 
 

@@ -46,6 +46,7 @@ from .fields import (
     unit_vector,
 )
 from .joint_base import AxisOptions, JointBase, NormalOptions, Plain, two_axes
+from .prescribed import Prescribed
 from .starts import (
     CylindricalStart,
     FreeStart,
@@ -310,6 +311,7 @@ Joint = by_key(
     Translation,
     Screw,
     Free,
+    Prescribed,
     *CONSTRAINTS,
     *END_FRAMES,
 )

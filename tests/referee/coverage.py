@@ -13,6 +13,7 @@ from collections import Counter
 from mbdfmi import Scene
 from mbdfmi.scene import fields
 from mbdfmi.scene.fields import Part
+from mbdfmi.scene.prescribed import PoseDriver
 
 LEAST = 20
 
@@ -144,6 +145,10 @@ def build(field):
     leaf = _leaf(dict(facts))
     if not classes:
         return leaf
+
+    # each of its drivers is one of a joint of one coordinate, whose keys are counted there
+    if classes[0] is PoseDriver:
+        return Parts(tuple(PoseDriver.model_fields))
 
     table = Kinds(classes) if _kind(classes[0]) else Table(classes[0])
     return Either(leaf, table)
