@@ -124,6 +124,23 @@ END_FRAME_AXES = table(
 )
 """Axes i, j, k of an end frame on a curve or surface."""
 
+
+CONTACT_OUTPUTS = table(
+    Quantity("contact_point", "m", 3, "point of contact, in the first marker's axes from its origin,"),
+    Quantity(
+        "normal_force",
+        "N",
+        words="force with which the surfaces press on each other, negative where they would part,",
+    ),
+    Quantity(
+        "friction_force",
+        "N",
+        3,
+        "force on the second body that keeps it from slipping, in the first marker's axes,",
+    ),
+)
+"""Where two surfaces touch, and what one does there to the other."""
+
 # outputs of bodies, markers, measures, the ground
 
 MARKER_OUTPUTS = table(

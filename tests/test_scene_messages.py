@@ -105,7 +105,8 @@ MESSAGES = [
         '[joint.shoulder] a joint needs one of "fixed", "revolute", "prismatic", '
         '"cylindrical", "universal", "spherical", "planar", "translation", "screw", "free", "prescribed", '
         '"point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", '
-        '"knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface", "frame_on_curve" or "frame_on_surface"; found "revolut", '
+        '"knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface", "frame_on_curve", '
+        '"frame_on_surface", "surface_on_surface" or "rolling_surface"; found "revolut", '
         '"between", "start", "input" and "output". '
         'Did you mean "revolute"?',
     ]),

@@ -135,7 +135,7 @@ def _equation(mechanism, row, place) -> Equation:
     if mechanism.m.row_kind[row] in (rows.DOT, rows.TWIST, rows.FRAME):
         return Equation(owner, f"rotation {_along('about', moment[:, None])}")
 
-    rolling = mechanism.m.row_kind[row] in (rows.KNIFE, rows.ROLL_SPHERE, rows.ROLL_DISK)
+    rolling = mechanism.m.row_kind[row] in (rows.KNIFE, rows.SLIP, rows.ROLL_SPHERE, rows.ROLL_DISK)
     what = "velocity" if rolling else "position"
     return Equation(owner, f"{what} {_along('along', force[:, None])}")
 

@@ -97,7 +97,7 @@ def _joint_constraint(builder, name):
         markers=(markers[0], markers[1]),
         nodes=builder.nodes_of(name),
         rows=[
-            (row, i, end_frame if row in (rows.CONTACT, rows.FRAME) else j)
+            (row, i, end_frame if row in (rows.CONTACT, rows.FRAME, rows.SLIP) else j)
             for row, i, j in (*kind.rows, *kind.rows_too(joint))
         ],
         value=value,

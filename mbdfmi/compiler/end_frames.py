@@ -7,7 +7,7 @@ from ..kernels import notes, outputs
 from ..kernels.end_frames import curves, surfaces, touching
 from ..kernels.math import tables
 from ..scene import Problem, SceneError
-from ..vocabulary import END_FRAME_AXES, PARAMETERS
+from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETERS
 from .builder import Place, Source, Told
 from .sides import default_side, side_of, spline_of
 from .variables import dotted
@@ -34,8 +34,9 @@ def _add_end_frame(builder, name, joint):
     first = len(builder.single["s_start"])
     units = parameter_units(builder, joint)
     given = joint.start_s is not None
-    start = joint.start_s if given else np.zeros(len(units))
-    builder.single["s_start"] += list(start)
+    start = joint.start_s if given else ()
+    turning = _turning(builder, joint)
+    builder.single["s_start"] += [*start, *np.zeros(len(units) + turning - len(start))]
 
     if given:
         endings = [""] if len(units) == 1 else [f"[{k + 1}]" for k in range(len(units))]
@@ -54,6 +55,13 @@ def _add_end_frame(builder, name, joint):
         end_frame_to=shapes[1],
         end_frame_z=first,
         end_frame_given=given,
+    )
+
+
+def _turning(builder, joint):
+    """How many numbers more a round first surface takes than its parameters: the unit vector that these are read off."""
+    return (
+        3 if joint.shapes[0] == "surface" and builder.scene.marker(joint.between[0]).surface.semi_axes else 0
     )
 
 
@@ -118,15 +126,17 @@ def _add_surface(builder, surface):
         surface_curve=0,
         surface_table=(0, 0),
         surface_patch=0,
-        surface_value=(0.0, 0.0),
+        surface_value=(0.0, 0.0, 0.0),
     )
 
     if kind == surfaces.PRISM:
         row["surface_curve"] = _add_curve(builder, surface.profile)
     elif kind == surfaces.TORUS:
-        row["surface_value"] = surface.radius, surface.tube
-    elif kind in (surfaces.SPHERE, surfaces.CYLINDER):
-        row["surface_value"] = surface.radius, 0.0
+        row["surface_value"] = surface.radius, surface.tube, 0.0
+    elif kind == surfaces.CYLINDER:
+        row["surface_value"] = surface.radius, 0.0, 0.0
+    elif surface.semi_axes:
+        row["surface_value"] = surface.semi_axes
     elif kind == surfaces.TABLE:
         row |= _add_patches(builder, surface)
 
@@ -190,6 +200,21 @@ def add_axis_output(builder, name, output):
     about = f"{END_FRAME_AXES[output].text} of {name}, in its first marker's axes"
     source = Source(outputs.END_FRAME_AXIS, builder.end_frames[name], list(END_FRAME_AXES).index(output))
     builder.add_outputs(dotted(name, output), source, None, about, builder.nodes_of(name))
+
+
+CONTACT_KINDS = {
+    "contact_point": outputs.CONTACT_POINT,
+    "normal_force": outputs.NORMAL_FORCE,
+    "friction_force": outputs.FRICTION_FORCE,
+}
+
+
+def add_contact_output(builder, name, output):
+    """Where two surfaces touch, or what one does there to the other."""
+    quantity = CONTACT_OUTPUTS[output]
+    source = Source(CONTACT_KINDS[output], builder.end_frames[name], builder.reaction(name))
+    about = f"{quantity.text} of {name}"
+    builder.add_outputs(dotted(name, output), source, quantity.unit, about, builder.nodes_of(name))
 
 
 def parameter_units(builder, joint):

@@ -158,6 +158,10 @@ JOINT_KINDS = {
     "point_on_curve": JointKind(rows=((rows.CONTACT, 0, 0), (rows.CONTACT, 1, 0)), turns=_as_they_are),
     "curve_on_curve": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
     "point_on_surface": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
+    "surface_on_surface": JointKind(rows=((rows.CONTACT, 0, 0),), turns=_as_they_are),
+    "rolling_surface": JointKind(
+        rows=((rows.CONTACT, 0, 0), (rows.SLIP, 1, 0), (rows.SLIP, 2, 0)), turns=_as_they_are
+    ),
 }
 
 

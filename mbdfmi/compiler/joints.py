@@ -5,6 +5,7 @@ import numpy as np
 from ..kernels import outputs
 from ..scene.starts import ENDINGS
 from ..vocabulary import (
+    CONTACT_OUTPUTS,
     EFFORT_OUTPUTS,
     END_FRAME_AXES,
     PARAMETERS,
@@ -16,7 +17,7 @@ from ..vocabulary import (
 from .bodies import MARKER_KINDS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
-from .end_frames import add_axis_output, add_parameter_outputs
+from .end_frames import add_axis_output, add_contact_output, add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
 from .variables import dotted, subscripts
@@ -186,6 +187,8 @@ def _add_outputs(builder, name, joint, parts, fed_by):
             add_parameter_outputs(builder, name, joint, output)
         elif output in END_FRAME_AXES:
             add_axis_output(builder, name, output)
+        elif output in CONTACT_OUTPUTS:
+            add_contact_output(builder, name, output)
         elif output in REACTIONS:
             _add_reaction(builder, name, REACTIONS[output])
         elif EFFORT_OUTPUTS.get(output) in EFFORT_KINDS:

@@ -7,7 +7,7 @@ import math
 
 from . import forces
 from .dynamics import inertia, reactions
-from .end_frames import frames, touching
+from .end_frames import frames, on_surfaces, touching
 from .forces import (
     central_gravity,
     friction,
@@ -106,6 +106,10 @@ EFFORT = 64
 # of the ground, node a
 GROUND_FORCE = 58
 GROUND_MOMENT = 59
+# of contact a of surfaces, reaction b
+CONTACT_POINT = 65
+NORMAL_FORCE = 66
+FRICTION_FORCE = 67
 # of the whole scene
 INPUTS_POWER = 60
 LOADS_POWER = 61
@@ -116,6 +120,7 @@ VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_
 VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
 VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
 VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT, END_FRAME_AXIS}
+VECTORS |= {CONTACT_POINT, FRICTION_FORCE}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
 
 # what they need beside kinematics: bits of `output_needs`
@@ -132,6 +137,8 @@ REACTS = {
     GROUND_FORCE,
     GROUND_MOMENT,
     DRIVES_POWER,
+    NORMAL_FORCE,
+    FRICTION_FORCE,
 }
 ACCELERATES = {
     ACCELERATION,
@@ -182,6 +189,24 @@ def z_angle(m, d, a, b):
     """Angle between two markers' z axes (rad), 0 to pi."""
     A = markers.relative_axes(m, d, a, b)
     return math.atan2(math.sqrt(A[0][2] * A[0][2] + A[1][2] * A[1][2]), A[2][2])
+
+
+@kernel
+def write_contact(m, d, kind, a, b, at, y):
+    """Where the surfaces of contact a touch (m), or the forces there on the second body (N), in the first marker's axes."""
+    on = on_surfaces.on_surface(m, d, a)
+
+    if kind == CONTACT_POINT:
+        al.set_vec_at(y, at, on_surfaces.point_of(m, d, a, on))
+        return
+
+    _, force = reactions.reaction(m, d, b)
+    pressing = al.dot(on.n, force)
+
+    if kind == NORMAL_FORCE:
+        y[at] = pressing
+    else:
+        al.set_vec_at(y, at, al.axpy(-pressing, on.n, force))
 
 
 @inlined
@@ -376,8 +401,10 @@ def write_outputs(m, d, y):
             y[at] = d.z[m.end_frame_z[a] + b]
 
         elif kind == CONTACT_RATE:
-            rate1, rate2 = touching.rates(m, d, a)
-            y[at] = rate1 if b == 0 else rate2
+            y[at] = touching.rates(m, d, a)[b]
+
+        elif CONTACT_POINT <= kind <= FRICTION_FORCE:
+            write_contact(m, d, kind, a, b, at, y)
 
         elif kind == END_FRAME_AXIS:
             tangent, binormal, normal = frames.axes_of(m, d, a)

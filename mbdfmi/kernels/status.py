@@ -36,6 +36,7 @@ BAD_MAX_EVALUATIONS = 42
 TOO_MUCH_WORK = 43
 BAD_STEP = 44
 BAD_ROTOR = 45
+TOUCHES_ALONG = 46
 SINGULAR_START = 30
 LOOP_SIZE = 31
 LOOP_ALONG = 32
@@ -87,6 +88,8 @@ MESSAGES = {
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
     BAD_ROTOR: "the rotor that turns with the joint of %s needs an inertia that is not negative, and finite numbers",
+    TOUCHES_ALONG: "the surfaces of %s touch in more than a point: the first one is as hollow there as the second one is round, or "
+    "hollower, or the second one is a wheel that lies flat",
     SINGULAR_START: "the loop cannot be closed at %s though it stands open by rounding only: the position is singular; start a "
     "little way off",
     LOOP_SIZE: "the ends at %s stay %g m apart and turned by %g rad against each other",

@@ -15,7 +15,15 @@ from .constraints import (
     RollingSphere,
 )
 from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
-from .end_frames import CurveOnCurve, FrameOnCurve, FrameOnSurface, PointOnCurve, PointOnSurface
+from .end_frames import (
+    CurveOnCurve,
+    FrameOnCurve,
+    FrameOnSurface,
+    PointOnCurve,
+    PointOnSurface,
+    RollingSurface,
+    SurfaceOnSurface,
+)
 from .errors import Problem, SceneError
 from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
@@ -74,6 +82,7 @@ __all__ = [
     "Revolute",
     "RollingDisk",
     "RollingSphere",
+    "RollingSurface",
     "SceneData",
     "SceneError",
     "Screw",
@@ -81,6 +90,7 @@ __all__ = [
     "Solver",
     "Spherical",
     "SpringDamper",
+    "SurfaceOnSurface",
     "Translation",
     "Universal",
     "fmi_name",

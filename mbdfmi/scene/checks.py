@@ -22,6 +22,7 @@ from .errors import (
     quoted,
 )
 from .names import FRAMES, fmi_name
+from .surfaces import CONVEX, HOLLOW
 
 ORDINALS = ("first", "second", "third")
 
@@ -339,6 +340,27 @@ def _missing_shapes(joint, ends, markers):
             yield (
                 f"{end_frame.kind} needs a {shape} on its {which} end, {quoted('.'.join(end))}; "
                 f"write marker.{marker} = {{ {shape} = {examples[shape]} }} and name that marker"
+            )
+
+    if end_frame.shapes[0] == "surface":
+        yield from _unfit_surfaces(end_frame, ends, markers)
+
+
+def _unfit_surfaces(end_frame, ends, markers):
+    """Texts about surfaces that cannot bear anything, or cannot touch another one."""
+    first, second = (_get(markers.get(tuple(end)), "surface") for end in ends)
+
+    if _get(first, "disk") is not None:
+        yield (
+            f"{end_frame.kind}: the first surface, of {quoted('.'.join(ends[0]))}, is a disk, of which only the edge is there to touch "
+            "another surface; make it the second one"
+        )
+
+    for kind in HOLLOW:
+        if end_frame.shapes[1] == "surface" and _get(second, kind) is not None:
+            yield (
+                f"{end_frame.kind}: the second surface, of {quoted('.'.join(ends[1]))}, must be one of {listed(CONVEX)}, which are "
+                f"round outwards and touch in a point; found a {kind}. Exchange the two ends if the first one is such"
             )
 
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..vocabulary import END_FRAME_AXES, PARAMETERS, REACTIONS
+from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETERS, REACTIONS
 from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, unit_vector
 from .joint_base import Constraint
 
@@ -121,7 +121,8 @@ class FrameOnSurface(Framed):
     """The second marker moves on the first one's surface as its frame does.
 
     Its origin stays on the surface, its z along the normal r1 x r2 (derivatives by the parameters), and its x along r1, unless it may
-    spin about the normal. On a sphere x points east, which at the poles means nothing: there the spin must be free.
+    spin about the normal. On a sphere or an ellipsoid x points east, which at the poles means nothing: on a sphere the spin must be free
+    there, an ellipsoid's poles cannot be passed.
     """
 
     kind: ClassVar[str] = "frame_on_surface"
@@ -132,4 +133,49 @@ class FrameOnSurface(Framed):
     output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
-END_FRAMES = (PointOnCurve, CurveOnCurve, PointOnSurface, FrameOnCurve, FrameOnSurface)
+class SurfaceStart(Part):
+    """s : parameters of the first marker's surface at the start, near which they touch. Those of the second one follow."""
+
+    s: Array((2,), what="2 numbers [s1, s2], of the first marker's surface") | None = None
+
+
+FORCES = [name for name in CONTACT_OUTPUTS if name != "friction_force"]
+
+
+class SurfaceOnSurface(EndFrame):
+    """The markers' surfaces touch, and slide on each other without friction.
+
+    The second one is a sphere, an ellipsoid, a disk (by its edge) or a torus (by its outer half, as a wheel by its rim), the first
+    one any surface; where that is hollow, it is wider than the second one. They touch on that side of the first surface where the
+    start puts the second marker's origin (on the outer side, that of its normal, if it lies in the surface). The output s has four
+    numbers, two of each surface; of a disk or a torus the last is the angle from its plane, 0 where it stands upright.
+    """
+
+    kind: ClassVar[str] = "surface_on_surface"
+    shapes: ClassVar[tuple] = ("surface", "surface")
+
+    surface_on_surface: Empty
+    start: SurfaceStart = SurfaceStart()
+    output: SomeOf(*PARAMETERS, *FORCES, *REACTIONS) = []
+
+
+class RollingSurface(EndFrame):
+    """As surface_on_surface, but they roll on each other without slip: a wheel on a road, a ball in a bowl, a rattleback."""
+
+    kind: ClassVar[str] = "rolling_surface"
+    shapes: ClassVar[tuple] = ("surface", "surface")
+
+    rolling_surface: Empty
+    start: SurfaceStart = SurfaceStart()
+    output: SomeOf(*PARAMETERS, *CONTACT_OUTPUTS, *REACTIONS) = []
+
+
+END_FRAMES = (
+    PointOnCurve,
+    CurveOnCurve,
+    PointOnSurface,
+    FrameOnCurve,
+    FrameOnSurface,
+    SurfaceOnSurface,
+    RollingSurface,
+)

@@ -6,11 +6,11 @@ Their `units` are those of the two; None where the user gave them.
 from typing import Annotated, ClassVar
 
 import numpy as np
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, field_validator, model_validator
 
 from .curves import Curve
 from .errors import show
-from .fields import Empty, Part, Positive, array, by_key
+from .fields import SMALLEST, Array, Empty, Part, Positive, array, by_key
 from .tables import Ascending
 
 
@@ -18,6 +18,7 @@ class Plane(Part):
     """plane = {}: the xy plane, s1 = x, s2 = y in m."""
 
     kind: ClassVar[str] = "plane"
+    semi_axes: ClassVar[None] = None
     units: ClassVar[tuple] = ("m", "m")
 
     plane: Empty
@@ -32,6 +33,8 @@ class RadiusOptions(Part):
 class Round(Part):
     """A surface with a radius."""
 
+    semi_axes: ClassVar[tuple | None] = None
+
     @property
     def radius(self):
         """m."""
@@ -45,6 +48,51 @@ class SphereSurface(Round):
     units: ClassVar[tuple] = ("rad", "rad")
 
     sphere: RadiusOptions
+
+    @property
+    def semi_axes(self):
+        """m."""
+        return (self.radius,) * 3
+
+
+def _check_lengths(value):
+    for k, length in enumerate(value, 1):
+        if length < SMALLEST:
+            raise ValueError(f"[{k}] must be greater than 0, at least 1e-30; found {show(length)}")
+
+    return value
+
+
+class EllipsoidOptions(Part):
+    """semi_axes : [a, b, c] along x, y, z, m."""
+
+    semi_axes: Annotated[Array((3,), what="3 semi-axes [a, b, c] in m"), AfterValidator(_check_lengths)]
+
+
+class Ellipsoid(Part):
+    """ellipsoid = { semi_axes }: about the origin, (a cos s2 cos s1, b cos s2 sin s1, c sin s2), s1, s2 in rad."""
+
+    kind: ClassVar[str] = "ellipsoid"
+    units: ClassVar[tuple] = ("rad", "rad")
+
+    ellipsoid: EllipsoidOptions
+
+    @property
+    def semi_axes(self):
+        """m."""
+        return self.ellipsoid.semi_axes
+
+
+class Disk(Round):
+    """disk = { radius }: the edge of a thin disk about the z axis, which can only touch another surface, as the second one: a
+    torus whose tube has no thickness.
+    """
+
+    kind: ClassVar[str] = "disk"
+    units: ClassVar[tuple] = ("rad", "rad")
+    tube: ClassVar[float] = 0.0
+
+    disk: RadiusOptions
 
 
 class CylinderSurface(Round):
@@ -104,6 +152,7 @@ class Prism(Part):
     """prism = { profile }: a curve in the xy plane, by s1, moved along z, s2 = z in m."""
 
     kind: ClassVar[str] = "prism"
+    semi_axes: ClassVar[None] = None
 
     prism: PrismOptions
 
@@ -153,6 +202,7 @@ class TableSurface(Part):
     """table = { s1, s2, points }: a bicubic spline through points."""
 
     kind: ClassVar[str] = "table"
+    semi_axes: ClassVar[None] = None
     units: ClassVar[tuple] = (None, None)
 
     table: GridOptions
@@ -177,8 +227,16 @@ Surface = by_key(
     "a surface",
     Plane,
     SphereSurface,
+    Ellipsoid,
     CylinderSurface,
     Torus,
     Prism,
     TableSurface,
+    Disk,
 )
+
+CONVEX = ("sphere", "ellipsoid", "disk", "torus")
+"""Surfaces that can touch others: round outwards everywhere, or where they touch."""
+
+HOLLOW = ("plane", "cylinder", "prism", "table")
+"""Those that others can only touch: they may be straight or hollow."""

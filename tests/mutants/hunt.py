@@ -39,7 +39,7 @@ THOROUGH = {
     "commands drives": "commands drivers turns",
     "massless virtual dynamics": "massless light_parts",
     "articulated constraints embedding linear multipliers rows": "loops massless",
-    "contacts curves surfaces touching": "contacts",
+    "contacts convex curves on_surfaces surfaces touching": "contacts touching_surfaces",
     "fixed gauss integrate jacobian control memory pairs radau rk4 ros2": "steppers integrate between_steps",
     "interpolation tables elastic": "tables drivers",
     "projection": "starts",

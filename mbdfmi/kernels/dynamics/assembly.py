@@ -159,6 +159,9 @@ def assemble(m, d):
 
     if failure == OK:
         settle(m, d)
+        failure = projection.see_contacts(m, d)
+
+    if failure == OK:
         redundancy.find_redundant(m, d)
         start_velocities.find_velocities(m, d)
 

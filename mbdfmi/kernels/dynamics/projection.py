@@ -8,7 +8,7 @@ from ..end_frames import touching
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import coordinates, drives, kinematics
-from ..status import LOOP_OPEN, NOT_FINITE, OK, status
+from ..status import LOOP_OPEN, NOT_FINITE, OK, TOUCHES_ALONG, status
 from ..signatures import DATA, MODEL, float64, int64
 from . import forward, multipliers, rows
 from .rates import is_finite
@@ -219,6 +219,16 @@ def factor_for_velocities(m, d):
             return
 
 
+@inlined
+def see_contacts(m, d):
+    """Whether surfaces that touch do so in a point. Returns a status."""
+    for row in range(m.n_row):
+        if m.row_kind[row] == rows.CONTACT and touching.touches_along(m, d, m.row_j[row]):
+            return status(TOUCHES_ALONG, m.n_body + m.row_constraint[row])
+
+    return OK
+
+
 @kernel
 def project_velocities(m, d):
     """The nearest velocities (in the mass metric) that the rows allow; needs rows and their factor."""
@@ -243,6 +253,9 @@ def project(m, d):
 
     if m.n_row > 0:
         failure = project_positions(m, d, m.closing_tolerance[0])
+
+        if failure == OK:
+            failure = see_contacts(m, d)
 
         if failure == OK:
             factor_for_velocities(m, d)

@@ -27,13 +27,14 @@ COUPLING = 6  # sum of factor c over its terms + offset = target of a drive or 0
 CONTACT = 7  # row i of contact j
 TWIST = 8  # b's axes are a's turned about a direction normal to z: no twist
 FRAME = 9  # row i of those that keep b's axes to those of end frame j
+SLIP = 10  # row i of contact j, of velocities: one of the two along which it does not slip
 
 
 @inlined
 def is_of_velocity(m, row):
     """Whether a row says nothing of positions."""
     kind = m.row_kind[row]
-    return kind == KNIFE or ((kind == ROLL_SPHERE or kind == ROLL_DISK) and m.row_i[row] < 2)
+    return kind == KNIFE or kind == SLIP or ((kind == ROLL_SPHERE or kind == ROLL_DISK) and m.row_i[row] < 2)
 
 
 @inlined
@@ -372,10 +373,15 @@ def write_rows(m, d):
                 if i == 0:
                     write_frame(m, d, c, row, A_b, w_b, p)
 
-            elif kind == CONTACT:
+            elif kind == CONTACT or kind == SLIP:
                 u, r_c, gap, rate, bias = touching.row(m, d, j, i)
                 set_push(d, row, u, al.sub(r_c, al.vec3(d.r, body_a)), al.sub(r_c, al.vec3(d.r, body_b)))
                 set_residuals(d, row, gap, rate, bias)
+
+                if d.aim[j] > 0.0:
+                    couple = touching.aiming_couple(m, d, j, u)
+                    al.add_vec3(d.row_moment_from, row, al.neg(couple))
+                    al.add_vec3(d.row_moment_to, row, couple)
 
             else:
                 u = axis_of(A_a, i)

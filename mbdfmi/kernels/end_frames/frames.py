@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ..language import inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
-from . import curves, surfaces, touching
+from . import curves, on_surfaces, surfaces, touching
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
@@ -138,8 +138,7 @@ def axes_of(m, d, k):
         return found.i, found.j, found.k
 
     if m.end_frame_kind[k] == touching.ON_SURFACE:
-        s = m.end_frame_z[k]
-        _, r1, r2, _, _, _ = surfaces.point(m, m.end_frame_from[k], d.z[s], d.z[s + 1])
+        _, _, _, r1, r2, _, _, _ = on_surfaces.by_parameters(m, d, k)
         found = axes_along(r1, al.cross(r1, r2))
         return found.i, found.j, found.k
 
@@ -165,7 +164,7 @@ def moving(m, d, k, free):
     A = markers.axes(m, d, a)
     w_a = al.vec3(d.w, m.marker_body[a])
     r = markers.position(m, d, m.end_frame_b[k])
-    seen, bias = touching.seen_motion(m, d, k, r)
+    seen, bias = on_surfaces.seen_motion(m, d, k, r)
     v = al.matT_vec(A, seen)
     v_rate = al.matT_vec(A, bias)
 
@@ -198,31 +197,30 @@ def on_surface(m, d, k, v, v_rate):
     """(axes, w, w' at zero accelerations of the bodies) of end frame k on a surface; v, v_rate : of the point that leads it, all in
     its marker's axes and seen from there.
     """
-    at = touching.point_on_surface(m, d, k)
-    u1, u2 = touching.surface_rates(v, at.r1, at.r2)
-    D1 = al.axpy(u1, at.r11, al.scale(u2, at.r12))
-    D2 = al.axpy(u1, at.r12, al.scale(u2, at.r22))
-    s = m.end_frame_z[k]
-    DD1, DD2 = surfaces.second_changes(m, m.end_frame_from[k], d.z[s], d.z[s + 1], u1, u2)
-    N = al.cross(at.r1, at.r2)
-    found = axes_along(at.r1, N)
-    DN = al.add(al.cross(D1, at.r2), al.cross(at.r1, D2))
-    DDN = al.add(al.cross(DD1, at.r2), al.axpy(2.0, al.cross(D1, D2), al.cross(at.r1, DD2)))
+    s1, s2, _, r1, r2, r11, r12, r22 = on_surfaces.by_parameters(m, d, k)
+    u1, u2 = on_surfaces.surface_rates(v, r1, r2)
+    D1 = al.axpy(u1, r11, al.scale(u2, r12))
+    D2 = al.axpy(u1, r12, al.scale(u2, r22))
+    DD1, DD2 = surfaces.second_changes(m, m.end_frame_from[k], s1, s2, u1, u2)
+    N = al.cross(r1, r2)
+    found = axes_along(r1, N)
+    DN = al.add(al.cross(D1, r2), al.cross(r1, D2))
+    DDN = al.add(al.cross(DD1, r2), al.axpy(2.0, al.cross(D1, D2), al.cross(r1, DD2)))
     Di, DDi = unit_rates(found.i, found.bend, D1, DD1)
     w, rate = turning_rate(found, Di, DDi, DN, DDN)
 
     # what the second rates of the parameters are at zero accelerations: of r_k . r_l s_l' = r_k . v
-    along1 = al.dot(at.r1, v_rate) + al.dot(D1, v)
-    along2 = al.dot(at.r2, v_rate) + al.dot(D2, v)
-    mixed = al.dot(D1, at.r2) + al.dot(at.r1, D2)
-    along1 -= 2.0 * al.dot(at.r1, D1) * u1 + mixed * u2
-    along2 -= mixed * u1 + 2.0 * al.dot(at.r2, D2) * u2
-    a = al.dot(at.r1, at.r1)
-    b = al.dot(at.r1, at.r2)
-    c = al.dot(at.r2, at.r2)
-    f1, f2 = touching.solve2(a, b, b, c, along1, along2)
-    rate = al.axpy(f1, surface_turning(found, at.r1, at.r2, at.r11, at.r12), rate)
-    return found, w, al.axpy(f2, surface_turning(found, at.r1, at.r2, at.r12, at.r22), rate)
+    along1 = al.dot(r1, v_rate) + al.dot(D1, v)
+    along2 = al.dot(r2, v_rate) + al.dot(D2, v)
+    mixed = al.dot(D1, r2) + al.dot(r1, D2)
+    along1 -= 2.0 * al.dot(r1, D1) * u1 + mixed * u2
+    along2 -= mixed * u1 + 2.0 * al.dot(r2, D2) * u2
+    a = al.dot(r1, r1)
+    b = al.dot(r1, r2)
+    c = al.dot(r2, r2)
+    f1, f2 = on_surfaces.solve2(a, b, b, c, along1, along2)
+    rate = al.axpy(f1, surface_turning(found, r1, r2, r11, r12), rate)
+    return found, w, al.axpy(f2, surface_turning(found, r1, r2, r12, r22), rate)
 
 
 @kernel
@@ -242,14 +240,14 @@ def push(m, d, k, free, n):
         return al.mat_vec(A, al.axpy(-al.dot(x, found.i) / found.N, found.j, force))
 
     if m.end_frame_kind[k] == touching.ON_SURFACE:
-        at = touching.point_on_surface(m, d, k)
-        found = axes_along(at.r1, al.cross(at.r1, at.r2))
-        f1 = al.dot(x, surface_turning(found, at.r1, at.r2, at.r11, at.r12))
-        f2 = al.dot(x, surface_turning(found, at.r1, at.r2, at.r12, at.r22))
-        a = al.dot(at.r1, at.r1)
-        b = al.dot(at.r1, at.r2)
-        c1, c2 = touching.solve2(a, b, b, al.dot(at.r2, at.r2), f1, f2)
-        return al.mat_vec(A, al.axpy(c1, at.r1, al.scale(c2, at.r2)))
+        _, _, _, r1, r2, r11, r12, r22 = on_surfaces.by_parameters(m, d, k)
+        found = axes_along(r1, al.cross(r1, r2))
+        f1 = al.dot(x, surface_turning(found, r1, r2, r11, r12))
+        f2 = al.dot(x, surface_turning(found, r1, r2, r12, r22))
+        a = al.dot(r1, r1)
+        b = al.dot(r1, r2)
+        c1, c2 = on_surfaces.solve2(a, b, b, al.dot(r2, r2), f1, f2)
+        return al.mat_vec(A, al.axpy(c1, r1, al.scale(c2, r2)))
 
     on = touching.point_on_curve(m, d, k)
     found, by_s, second = curve_turning(m, d, k, on)

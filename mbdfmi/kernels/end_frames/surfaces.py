@@ -5,11 +5,15 @@ kind        r                                                            s1, s2
 ==========  ===========================================================  ===================
 PLANE       (s1, s2, 0)                                                  m, m
 SPHERE      R (cos s2 cos s1, cos s2 sin s1, sin s2)                     rad, rad
+ELLIPSOID   (a cos s2 cos s1, b cos s2 sin s1, c sin s2)                 rad, rad
 CYLINDER    (R cos s1, R sin s1, s2)                                     rad, m
 TORUS       ((R + t cos s2) cos s1, (R + t cos s2) sin s1, t sin s2)     rad, rad
 PRISM       a planar curve by s1, moved along z by s2                    the curve's, m
 TABLE       bicubic patches; beyond its edges straight on                as given
 ==========  ===========================================================  ===================
+
+Spheres and ellipsoids are *round*: longitude and latitude fail at their poles, so they are reckoned from the unit vector u whose
+longitude and latitude these are, with r = (a u_x, b u_y, c u_z), by a chart about u of its own at each place.
 """
 
 import math
@@ -25,6 +29,7 @@ CYLINDER = 2
 TORUS = 3
 PRISM = 4
 TABLE = 5
+ELLIPSOID = 6
 
 KINDS = {
     "plane": PLANE,
@@ -33,9 +38,88 @@ KINDS = {
     "torus": TORUS,
     "prism": PRISM,
     "table": TABLE,
+    "ellipsoid": ELLIPSOID,
+    "disk": TORUS,  # its edge: a tube of no thickness
 }
 
+X = (1.0, 0.0, 0.0)
 Z = (0.0, 0.0, 1.0)
+
+# below this z of u its chart lies along the parallels
+NEAR_POLE = 0.9
+
+
+@inlined
+def is_round(m, k):
+    """Whether surface k is reckoned from a unit vector u."""
+    return m.surface_kind[k] == SPHERE or m.surface_kind[k] == ELLIPSOID
+
+
+@inlined
+def stretched(m, k, u):
+    """(a u_x, b u_y, c u_z) by the semi-axes of a sphere or an ellipsoid."""
+    return (
+        m.surface_value[3 * k] * u[0],
+        m.surface_value[3 * k + 1] * u[1],
+        m.surface_value[3 * k + 2] * u[2],
+    )
+
+
+@inlined
+def circles(m, k):
+    """(radius of a torus, of its tube); of what is round those of the unit sphere that it is stretched from: 0, 1."""
+    if is_round(m, k):
+        return 0.0, 1.0
+
+    return m.surface_value[3 * k], m.surface_value[3 * k + 1]
+
+
+@inlined
+def shaped(m, k, v):
+    """A vector of the surface of `circles`, on surface k."""
+    return stretched(m, k, v) if is_round(m, k) else v
+
+
+@inlined
+def direction(longitude, latitude):
+    """The unit vector u of that longitude and latitude (rad)."""
+    c = math.cos(latitude)
+    return (c * math.cos(longitude), c * math.sin(longitude), math.sin(latitude))
+
+
+@inlined
+def bearing(y):
+    """(longitude, latitude) (rad) of a vector."""
+    return math.atan2(y[1], y[0]), math.atan2(y[2], math.sqrt(y[0] * y[0] + y[1] * y[1]))
+
+
+@inlined
+def bearing_rates(y, y_rate):
+    """Rates (rad/s) of longitude and latitude of a vector; 0 at the poles."""
+    square = y[0] * y[0] + y[1] * y[1]
+
+    if square <= 1e-24 * al.dot(y, y):
+        return 0.0, 0.0
+
+    along = y[0] * y_rate[0] + y[1] * y_rate[1]
+    turning = (y[0] * y_rate[1] - y[1] * y_rate[0]) / square
+    return turning, (y_rate[2] * square - y[2] * along) / (math.sqrt(square) * al.dot(y, y))
+
+
+@inlined
+def tangents(u):
+    """Two unit vectors that make a right-handed frame with the unit vector u; to the east and north but near the poles."""
+    east = al.cross(Z if abs(u[2]) < NEAR_POLE else X, u)
+    east = al.scale(1.0 / al.norm(east), east)
+    return east, al.cross(u, east)
+
+
+@kernel
+def around(m, k, u):
+    """`point` of a sphere or an ellipsoid at u, by x1 and x2 of the chart u + x1 e1 + x2 e2, made a unit vector, e = tangents(u)."""
+    e1, e2 = tangents(u)
+    r = stretched(m, k, u)
+    return r, stretched(m, k, e1), stretched(m, k, e2), al.neg(r), al.ZERO3, al.neg(r)
 
 
 @inlined
@@ -106,7 +190,7 @@ def point(m, k, s1, s2):
     Indices stand for derivatives by s1 and s2.
     """
     kind = m.surface_kind[k]
-    R = m.surface_value[2 * k]
+    R = m.surface_value[3 * k]
     zero = al.ZERO3
 
     if kind == PLANE:
@@ -125,25 +209,18 @@ def point(m, k, s1, s2):
     if kind == CYLINDER:
         return al.axpy(s2, Z, al.scale(R, x)), al.scale(R, y), Z, al.scale(-R, x), zero, zero
 
-    # sphere: a tube of radius R about a circle of none
-    tube = R
-
-    if kind == SPHERE:
-        R = 0.0
-    else:
-        tube = m.surface_value[2 * k + 1]
-
+    R, tube = circles(m, k)
     c = tube * math.cos(s2)
     s = tube * math.sin(s2)
     out = al.axpy(s, Z, al.scale(c, x))
     r = al.axpy(R, x, out)
     return (
-        r,
-        al.scale(R + c, y),
-        al.axpy(c, Z, al.scale(-s, x)),
-        al.scale(-(R + c), x),
-        al.scale(-s, y),
-        al.neg(out),
+        shaped(m, k, r),
+        shaped(m, k, al.scale(R + c, y)),
+        shaped(m, k, al.axpy(c, Z, al.scale(-s, x))),
+        shaped(m, k, al.scale(-(R + c), x)),
+        shaped(m, k, al.scale(-s, y)),
+        shaped(m, k, al.neg(out)),
     )
 
 
@@ -192,19 +269,17 @@ def second_changes(m, k, s1, s2, u1, u2):
 
     x = (math.cos(s1), math.sin(s1), 0.0)
     y = (-x[1], x[0], 0.0)
-    R = m.surface_value[2 * k]
 
     if kind == CYLINDER:
-        return al.scale(-R * u1 * u1, y), zero
+        return al.scale(-m.surface_value[3 * k] * u1 * u1, y), zero
 
-    # a tube of radius R about a circle of none, or of its own radius about one of R
-    tube = R if kind == SPHERE else m.surface_value[2 * k + 1]
+    R, tube = circles(m, k)
     c = tube * math.cos(s2)
     s = tube * math.sin(s2)
-    r_111 = al.scale(-(c if kind == SPHERE else R + c), y)
-    r_112 = al.scale(s, x)
-    r_122 = al.scale(-c, y)
-    r_222 = al.axpy(-c, Z, al.scale(s, x))
+    r_111 = shaped(m, k, al.scale(-(R + c), y))
+    r_112 = shaped(m, k, al.scale(s, x))
+    r_122 = shaped(m, k, al.scale(-c, y))
+    r_222 = shaped(m, k, al.axpy(-c, Z, al.scale(s, x)))
     return (
         al.axpy(u1 * u1, r_111, al.axpy(2.0 * u1 * u2, r_112, al.scale(u2 * u2, r_122))),
         al.axpy(u1 * u1, r_112, al.axpy(2.0 * u1 * u2, r_122, al.scale(u2 * u2, r_222))),
@@ -212,16 +287,16 @@ def second_changes(m, k, s1, s2, u1, u2):
 
 
 @inlined
-def window(m, k, p):
-    """(lowest, highest) s1 and s2 at which surface k may be closest to the point p (m)."""
+def window(m, k, p, margin):
+    """(lowest, highest) s1 and s2 at which surface k may be closest to a point within `margin` of p (m)."""
     kind = m.surface_kind[k]
     turn = 2.0 * math.pi
 
     if kind == PLANE:
-        return (p[0], p[0]), (p[1], p[1])
+        return (p[0] - margin, p[0] + margin), (p[1] - margin, p[1] + margin)
 
     if kind == PRISM:
-        return curves.window(m, m.surface_curve[k], p, 0.0), (p[2], p[2])
+        return curves.window(m, m.surface_curve[k], p, margin), (p[2] - margin, p[2] + margin)
 
     if kind == TABLE:
         one = m.surface_table[2 * k]
@@ -232,7 +307,7 @@ def window(m, k, p):
         )
 
     if kind == CYLINDER:
-        return (0.0, turn), (p[2], p[2])
+        return (0.0, turn), (p[2] - margin, p[2] + margin)
 
     return (-0.5 * turn, 0.5 * turn), (-0.5 * turn, 0.5 * turn)
 

@@ -1,11 +1,9 @@
 """Joints of end frames on curves and surfaces: where they touch, and what their rows say.
 
 A contact's parameters s stand in d.z. They are those of the closest point (of a
-curve or surface to a marker's origin) or of the common tangent (of two curves): exactly so after
+curve or surface to a marker's origin) or of the common tangent (of two curves, of two surfaces): exactly so after
 every accepted step, where Newton's method finds them anew. In between they are integrated; their
-rates follow from the velocities. Only on a sphere, whose parameters are singular at its poles,
-they are read off instead, and nothing depends on them; the longitude is integrated along to tell
-its turn.
+rates follow from the velocities. What is on surfaces is in on_surfaces.py.
 
 The reaction acts at the material points that are where the contact is (docs/theory.md 9.1); the
 equations are in docs/theory.md 10.3 and 10.4.
@@ -21,16 +19,17 @@ from typing import NamedTuple
 
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..motion import coordinates, markers
+from ..motion import markers
 from ..signatures import DATA, MODEL, void
-from . import curves, surfaces
+from . import curves, on_surfaces, surfaces
+from .on_surfaces import seen_motion, solve2
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
 ON_CURVE = 0
 CURVES = 1
-ON_SURFACE = 2
+ON_SURFACE = 2  # a point, or a convex surface
 
 KINDS = {
     "point_on_curve": ON_CURVE,
@@ -38,6 +37,8 @@ KINDS = {
     "point_on_surface": ON_SURFACE,
     "frame_on_curve": ON_CURVE,
     "frame_on_surface": ON_SURFACE,
+    "surface_on_surface": ON_SURFACE,
+    "rolling_surface": ON_SURFACE,
 }
 
 MAX_ITERATIONS = 30
@@ -49,7 +50,7 @@ ROUNDING = 1e-15
 # farthest
 TRUSTED = 0.1
 
-# error (rad) of a longitude on a sphere that is just allowed: it need but tell the turn
+# error (rad) of a longitude that is just allowed: it need but tell the turn
 LONGITUDE_ALLOWED = 0.3
 
 # samples of a curve, and of each side of a pair, in the search for a start
@@ -59,34 +60,8 @@ PAIR_SAMPLES = 64
 
 @inlined
 def is_sphere(m, k):
-    """Whether contact k is a point on a sphere."""
+    """Whether contact k is of a point on a sphere."""
     return m.end_frame_kind[k] == ON_SURFACE and m.surface_kind[m.end_frame_from[k]] == surfaces.SPHERE
-
-
-@kernel
-def seen_motion(m, d, k, r):
-    """Velocity and acceleration, seen from a, of the point of b's body that is at r (m, in O).
-
-    The acceleration is that when the bodies have none.
-    """
-    i = m.marker_body[m.end_frame_a[k]]
-    j = m.marker_body[m.end_frame_b[k]]
-    w_a = al.vec3(d.w, i)
-    w_b = al.vec3(d.w, j)
-    P = al.sub(r, al.vec3(d.r, i))
-    p = al.sub(r, al.vec3(d.r, j))
-    v_a = al.cross(w_a, P)
-    v_b = al.cross(w_b, p)
-    seen = al.sub(al.add(al.vec3(d.rd, j), v_b), al.add(al.vec3(d.rd, i), v_a))
-    swing = al.sub(al.cross(w_b, v_b), al.cross(w_a, v_a))
-    return seen, al.sub(swing, al.scale(2.0, al.cross(w_a, seen)))
-
-
-@inlined
-def solve2(a, b, c, d, e, f):
-    """(x, y) of a x + b y = e, c x + d y = f."""
-    det = a * d - b * c
-    return (e * d - b * f) / det, (a * f - e * c) / det
 
 
 @kernel
@@ -114,19 +89,6 @@ class OnCurve(NamedTuple):
     tt: Vector
 
 
-class OnSurface(NamedTuple):
-    """Likewise of a point on a surface. r1 ... r22: derivatives of the surface by its parameters, in a's axes."""
-
-    A: Matrix
-    r: Vector
-    e: Vector
-    r1: Vector
-    r2: Vector
-    r11: Vector
-    r12: Vector
-    r22: Vector
-
-
 class CurvePair(NamedTuple):
     """Two curves that touch, vectors in O. r: point on b's curve from O (m), e: to it from a's; tangent, n: unit tangent of a's
     curve, and normal in its plane, so that what separates the two planes does not count; length |t_a|, bend: n.tt_a; t_b, tt_b:
@@ -152,18 +114,6 @@ def point_on_curve(m, d, k):
     r, t, tt = curves.point(m, m.end_frame_from[k], d.z[m.end_frame_z[k]])
     e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
     return OnCurve(A, r_b, e, t, tt)
-
-
-@kernel
-def point_on_surface(m, d, k):
-    """The point on a surface that contact k is (OnSurface). Needs kinematics."""
-    a = m.end_frame_a[k]
-    A = markers.axes(m, d, a)
-    r_b = markers.position(m, d, m.end_frame_b[k])
-    s = m.end_frame_z[k]
-    r, r1, r2, r11, r12, r22 = surfaces.point(m, m.end_frame_from[k], d.z[s], d.z[s + 1])
-    e = al.sub(al.matT_vec(A, al.sub(r_b, markers.position(m, d, a))), r)
-    return OnSurface(A, r_b, e, r1, r2, r11, r12, r22)
 
 
 @kernel
@@ -201,69 +151,57 @@ def tangency(pair):
     return pair.length - al.dot(pair.n, pair.e) * turn, -along, -along * turn, al.dot(pair.n, pair.tt_b)
 
 
-@inlined
-def surface_rates(v, r1, r2):
-    """(s1', s2') of a point that moves with v along a surface; 0 where these are singular."""
-    a = al.dot(r1, r1)
-    b = al.dot(r1, r2)
-    c = al.dot(r2, r2)
-
-    if a * c - b * b <= 1e-24 * (a + c) * (a + c):
-        return 0.0, 0.0
-
-    return solve2(a, b, b, c, al.dot(r1, v), al.dot(r2, v))
-
-
 @kernel
 def rates(m, d, k):
-    """(s1', s2') of contact k; of a point on a curve s2' is zero. Needs kinematics."""
+    """(s1', s2', s3', s4') of contact k; 0 of those that it does not have. Needs kinematics."""
     kind = m.end_frame_kind[k]
 
     if kind == ON_CURVE:
         at = point_on_curve(m, d, k)
         seen, _ = seen_motion(m, d, k, at.r)
-        return al.dot(at.t, al.matT_vec(at.A, seen)) / al.dot(at.t, at.t), 0.0
+        return al.dot(at.t, al.matT_vec(at.A, seen)) / al.dot(at.t, at.t), 0.0, 0.0, 0.0
 
     if kind == ON_SURFACE:
-        on = point_on_surface(m, d, k)
-        seen, _ = seen_motion(m, d, k, on.r)
-        return surface_rates(al.matT_vec(on.A, seen), on.r1, on.r2)
+        return on_surfaces.rates(m, d, k)
 
     pair = curve_on_curve(m, d, k)
     seen, _ = seen_motion(m, d, k, pair.r)
     w = markers.angular_velocity(m, d, m.end_frame_b[k])
     w = al.sub(w, markers.angular_velocity(m, d, m.end_frame_a[k]))
     J = tangency(pair)
-    return solve2(J[0], J[1], J[2], J[3], al.dot(pair.tangent, seen), -al.dot(pair.n, al.cross(w, pair.t_b)))
-
-
-@inlined
-def longitude_rate(m, d, k):
-    """Rate (rad/s) of the longitude of a point on a sphere, 0 at the poles."""
-    e = markers.relative_position(m, d, m.end_frame_a[k], m.end_frame_b[k])
-    v = markers.relative_velocity(m, d, m.end_frame_a[k], m.end_frame_b[k])
-    square = e[0] * e[0] + e[1] * e[1]
-    return (e[0] * v[1] - e[1] * v[0]) / square if square > 1e-24 * al.dot(e, e) else 0.0
+    turned = al.dot(pair.n, al.cross(w, pair.t_b))
+    rate1, rate2 = solve2(J[0], J[1], J[2], J[3], al.dot(pair.tangent, seen), -turned)
+    return rate1, rate2, 0.0, 0.0
 
 
 @apart(void(MODEL, DATA))
 def parameter_rates(m, d):
     """s' of all contacts into d.z_rate; needs kinematics."""
     for k in range(m.n_end_frame):
-        s = m.end_frame_z[k]
-
-        if is_sphere(m, k):
-            d.z_rate[s] = longitude_rate(m, d, k)
-            d.z_rate[s + 1] = 0.0
+        if m.end_frame_kind[k] == ON_SURFACE:
+            on_surfaces.write_rates(m, d, k)
             continue
 
-        rate1, rate2 = rates(m, d, k)
+        s = m.end_frame_z[k]
+        rate = rates(m, d, k)
+        d.z_rate[s] = rate[0]
 
-        if m.end_frame_kind[k] == ON_CURVE:
-            d.z_rate[s] = rate1
-        else:
-            d.z_rate[s] = rate1
-            d.z_rate[s + 1] = rate2
+        if m.end_frame_kind[k] == CURVES:
+            d.z_rate[s + 1] = rate[1]
+
+
+@inlined
+def weigh(m, d, z):
+    """Error weights of longitudes and latitudes that nothing depends on; `z`: where z stands in x."""
+    for k in range(m.n_end_frame):
+        if m.end_frame_kind[k] != ON_SURFACE:
+            continue
+
+        s = z + m.end_frame_z[k]
+
+        for i in range(2 if m.end_frame_to[k] < 0 else 4):
+            if i >= 2 or surfaces.is_round(m, m.end_frame_from[k]):
+                d.x_scale[s + i] = LONGITUDE_ALLOWED
 
 
 @inlined
@@ -276,12 +214,18 @@ def span(m, d, k):
         return at.r, al.mat_vec(at.A, at.e)
 
     if kind == ON_SURFACE:
-        on = point_on_surface(m, d, k)
+        on = on_surfaces.on_surface(m, d, k)
         return on.r, al.mat_vec(on.A, on.e)
 
     pair = curve_on_curve(m, d, k)
     along = al.scale(al.dot(pair.tangent, pair.e), pair.tangent)
     return pair.r, al.add(along, al.scale(al.dot(pair.n, pair.e), pair.n))
+
+
+@inlined
+def aiming_couple(m, d, k, u):
+    """Moment on b beside the force u of an aimed row: where b turns, another of its points is the one that touches."""
+    return on_surfaces.aiming_couple(m, d, k, u) if m.end_frame_kind[k] == ON_SURFACE else al.ZERO3
 
 
 @kernel
@@ -305,27 +249,8 @@ def row(m, d, k, i):
         rate = al.dot(at.t, al.matT_vec(at.A, seen)) / al.dot(at.t, at.t)
         return u, at.r, al.dot(n, at.e), al.dot(u, seen), al.dot(u, bias) - al.dot(n, at.tt) * rate * rate
 
-    if is_sphere(m, k):
-        a = m.end_frame_a[k]
-        r = markers.position(m, d, m.end_frame_b[k])
-        out = al.sub(r, markers.position(m, d, a))
-        length = al.norm(out)
-        u = al.scale(1.0 / length, out)
-        seen, bias = seen_motion(m, d, k, r)
-        away = al.dot(u, seen)
-        bend = (al.dot(seen, seen) - away * away) / length
-        return u, r, length - m.surface_value[2 * m.end_frame_from[k]], away, al.dot(u, bias) + bend
-
     if m.end_frame_kind[k] == ON_SURFACE:
-        on = point_on_surface(m, d, k)
-        n = al.cross(on.r1, on.r2)
-        n = al.scale(1.0 / al.norm(n), n)
-        u = al.mat_vec(on.A, n)
-        seen, bias = seen_motion(m, d, k, on.r)
-        rate1, rate2 = surface_rates(al.matT_vec(on.A, seen), on.r1, on.r2)
-        bend = al.dot(n, on.r11) * rate1 * rate1 + 2.0 * al.dot(n, on.r12) * rate1 * rate2
-        bend += al.dot(n, on.r22) * rate2 * rate2
-        return u, on.r, al.dot(n, on.e), al.dot(u, seen), al.dot(u, bias) - bend
+        return on_surfaces.row(m, d, k, i)
 
     pair = curve_on_curve(m, d, k)
     seen, bias = seen_motion(m, d, k, pair.r)
@@ -351,20 +276,7 @@ def newton(m, d, k):
         return al.dot(at.t, at.e) / (bent if bent > TRUSTED * metric else metric), 0.0
 
     if kind == ON_SURFACE:
-        on = point_on_surface(m, d, k)
-        a = al.dot(on.r1, on.r1)
-        b = al.dot(on.r1, on.r2)
-        c = al.dot(on.r2, on.r2)
-        f = al.dot(on.r1, on.e)
-        g = al.dot(on.r2, on.e)
-        a_bent = a - al.dot(on.r11, on.e)
-        b_bent = b - al.dot(on.r12, on.e)
-        c_bent = c - al.dot(on.r22, on.e)
-
-        if a_bent > TRUSTED * a and a_bent * c_bent - b_bent * b_bent > TRUSTED * (a * c - b * b):
-            return solve2(a_bent, b_bent, b_bent, c_bent, f, g)
-
-        return solve2(a, b, b, c, f, g)
+        return on_surfaces.newton(m, d, k)
 
     pair = curve_on_curve(m, d, k)
     J = tangency(pair)
@@ -372,38 +284,48 @@ def newton(m, d, k):
 
 
 @inlined
-def read_sphere(m, d, k):
-    """Longitude and latitude of a point on a sphere, on the turn closest to the one before."""
+def move(m, d, k, ds1, ds2):
+    """Contact k's parameters moved. Returns how large they are."""
+    if m.end_frame_kind[k] == ON_SURFACE:
+        return on_surfaces.move(m, d, k, ds1, ds2)
+
     s = m.end_frame_z[k]
-    e = markers.relative_position(m, d, m.end_frame_a[k], m.end_frame_b[k])
-    d.z[s] = coordinates.unwrapped(math.atan2(e[1], e[0]), d.z[s])
-    d.z[s + 1] = math.atan2(e[2], math.sqrt(e[0] * e[0] + e[1] * e[1]))
+    d.z[s] += ds1
+
+    if m.end_frame_kind[k] == ON_CURVE:
+        return abs(d.z[s]), 0.0
+
+    d.z[s + 1] += ds2
+    return abs(d.z[s]), abs(d.z[s + 1])
+
+
+@kernel
+def find(m, d, k):
+    """s of contact k from where it is: its closest point, or common tangent. Needs kinematics."""
+    for iteration in range(MAX_ITERATIONS):
+        ds1, ds2 = newton(m, d, k)
+        size1, size2 = move(m, d, k, ds1, ds2)
+
+        if abs(ds1) <= ROUNDING * (1.0 + size1) and abs(ds2) <= ROUNDING * (1.0 + size2):
+            break
 
 
 @apart(void(MODEL, DATA))
 def find_parameters(m, d):
     """s of all contacts from where they are: closest points, common tangents. Needs kinematics."""
     for k in range(m.n_end_frame):
-        s = m.end_frame_z[k]
+        if d.aim[k] == 0.0:
+            find(m, d, k)
 
-        if d.aim[k] > 0.0:
-            continue
+        if m.end_frame_kind[k] == ON_SURFACE:
+            on_surfaces.read_bearings(m, d, k)
 
-        if is_sphere(m, k):
-            read_sphere(m, d, k)
-            continue
 
-        for iteration in range(MAX_ITERATIONS):
-            ds1, ds2 = newton(m, d, k)
-            d.z[s] += ds1
-            done = abs(ds1) <= ROUNDING * (1.0 + abs(d.z[s]))
-
-            if m.end_frame_kind[k] != ON_CURVE:
-                d.z[s + 1] += ds2
-                done = done and abs(ds2) <= ROUNDING * (1.0 + abs(d.z[s + 1]))
-
-            if done:
-                break
+@inlined
+def touches_along(m, d, k):
+    """Whether contact k is of surfaces that touch in more than a point. Needs kinematics, and s."""
+    of_surfaces = m.end_frame_kind[k] == ON_SURFACE and m.end_frame_to[k] >= 0
+    return of_surfaces and not on_surfaces.touches_in_a_point(m, d, k)
 
 
 # start values
@@ -437,7 +359,7 @@ def windows(m, d, k):
         return (low, high, max(SAMPLES, 4 * curves.pieces(m, i))), (0.0, 0.0, 1)
 
     if m.end_frame_kind[k] == ON_SURFACE:
-        one, two = surfaces.window(m, i, p)
+        one, two = surfaces.window(m, i, p, on_surfaces.reach(m, k))
         n1, n2 = surfaces.pieces(m, i)
         return (one[0], one[1], max(PAIR_SAMPLES, 4 * n1)), (
             two[0],
@@ -451,6 +373,13 @@ def windows(m, d, k):
     n1 = max(PAIR_SAMPLES, 4 * curves.pieces(m, i))
     n2 = max(PAIR_SAMPLES, 4 * curves.pieces(m, j))
     return (low1, high1, n1), (low2, high2, n2)
+
+
+@inlined
+def set_off(m, d, k):
+    """What follows s of contact k, where s was set."""
+    if m.end_frame_kind[k] == ON_SURFACE:
+        on_surfaces.aim_at(m, d, k)
 
 
 @kernel
@@ -467,6 +396,7 @@ def search(m, d, k):
             if two[2] > 1:
                 d.z[s + 1] = two[0] + (two[1] - two[0]) * j / two[2]
 
+            set_off(m, d, k)
             missed = miss(m, d, k)
 
             if missed < best[0]:
@@ -477,18 +407,41 @@ def search(m, d, k):
     if two[2] > 1:
         d.z[s + 1] = best[2]
 
+    set_off(m, d, k)
+
+
+@kernel
+def choose_side(m, d, k):
+    """Surfaces touch on that side of the first one where the start puts the second one's origin, the outer side if it lies in it."""
+    if m.end_frame_kind[k] != ON_SURFACE or m.end_frame_to[k] < 0:
+        return
+
+    if m.end_frame_given[k] == 0:
+        search(m, d, k)
+        find(m, d, k)
+
+    d.end_frame_side[k] = on_surfaces.side_of(m, d, k)
+
 
 @kernel
 def start(m, d):
     """Start values of s, as given or near the bodies' start positions. Needs kinematics."""
     for k in range(m.n_end_frame):
         d.aim[k] = 0.0
+        d.end_frame_side[k] = 0.0
+
+        if m.end_frame_to[k] >= 0 and m.end_frame_kind[k] == ON_SURFACE:
+            d.z[m.end_frame_z[k] + 2] = 0.0
 
         if m.end_frame_given[k] == 1:
             for i in range(1 if m.end_frame_kind[k] == ON_CURVE else 2):
                 d.z[m.end_frame_z[k] + i] = m.s_start[m.end_frame_z[k] + i]
 
-        elif not is_sphere(m, k):
+            set_off(m, d, k)
+
+        choose_side(m, d, k)
+
+        if m.end_frame_given[k] == 0:
             search(m, d, k)
 
 

@@ -40,9 +40,7 @@ def weigh(m, d):
     for t in range(m.n_turn):
         d.x_scale[z + coordinates.turn(m, t)] = rotation
 
-    for k in range(m.n_end_frame):
-        if touching.is_sphere(m, k):
-            d.x_scale[z + m.end_frame_z[k]] = touching.LONGITUDE_ALLOWED
+    touching.weigh(m, d, z)
 
     for i in range(1, m.n_body):
         joints.weigh(m, d, i, rotation)
