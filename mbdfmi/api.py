@@ -85,7 +85,7 @@ class Scene(_scene.SceneData):
         return Run.of(simulate(self.compile(), until, step, inputs, parameters, **options))
 
     def show(self, path=None) -> Path:
-        """The scene as it is assembled, as a page (.html) or a GLB, or, without a path, in the browser; see
+        """The scene as it is assembled, as a page (.html), GLB or PNG; without a path, in the browser; see
         `mbdfmi.view.show.show`. Raises SimulationError where it cannot be assembled.
         """
         from .view.show import at_start, show

@@ -5,7 +5,9 @@ import gzip
 import json
 import re
 import shutil
+import struct
 import subprocess
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,10 @@ from scipy.spatial.transform import Rotation
 
 import mbdfmi
 from mbdfmi.cli import main
+from mbdfmi.scene.looks import red_green_blue
 from mbdfmi.view import forms, glb
+from mbdfmi.view.contents import PALETTE
+from mbdfmi.view.drawing import draw
 from mbdfmi.view.picture import picture
 from mbdfmi.view.show import at_start
 
@@ -185,6 +190,56 @@ def test_commands(tmp_path, capsys):
     assert "which is no .step file" in capsys.readouterr().err
     assert main(["simulate", str(MODELS / "four_bar.toml"), "--until", "0.5", "--view", "a.view"]) == 1
     assert "let its name end in .html" in capsys.readouterr().err
+
+
+def pixels(path):
+    """(height, width, 3) of a PNG file as written here."""
+    data = path.read_bytes()
+    assert data.startswith(b"\x89PNG\r\n\x1a\n")
+    width, height = struct.unpack(">II", data[16:24])
+    at, found = 8, b""
+    while at < len(data):
+        (length,) = struct.unpack(">I", data[at : at + 4])
+        found += data[at + 8 : at + 8 + length] if data[at + 4 : at + 8] == b"IDAT" else b""
+        assert zlib.crc32(data[at + 4 : at + 8 + length]) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        at += 12 + length
+    return np.frombuffer(zlib.decompress(found), np.uint8).reshape(height, -1)[:, 1:].reshape(height, width, 3)
+
+
+def test_a_picture_without_a_browser(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("MBDFMI_BROWSER", "/nowhere")
+    file = tmp_path / "a.png"
+    command = ["simulate", str(MODELS / "four_bar.toml"), "--until", "1", "--view", str(file)]
+    assert main([*command, "--at", "0.5"]) == 0
+    assert "without names" in capsys.readouterr().err
+    # each body's colour is there
+    colours = pixels(file).reshape(-1, 3) / 255
+    for colour in PALETTE[:3]:
+        hue = np.array(red_green_blue(colour))
+        assert ((colours @ hue / np.linalg.norm(colours, axis=1) / np.linalg.norm(hue)) > 0.999).sum() > 500
+    assert main([*command, "--at", "2"]) == 1
+    assert "the run is from 0 to 1 s" in capsys.readouterr().err
+    assert main([*command[:-1], str(tmp_path / "a.html"), "--at", "0.5"]) == 1
+    assert "a time (--at) is that of a picture" in capsys.readouterr().err
+    assert main([*command[:4], "--at", "0.5"]) == 1
+    assert "write --view FILE.png" in capsys.readouterr().err
+
+
+def test_a_sphere_is_drawn_as_a_disc_where_it_is():
+    ball = {"mass": 1.0, "inertia": [1, 1, 1], "shape": {"sphere": {"radius": 0.5}}, "colour": "#ff0000"}
+    scene = mbdfmi.Scene(
+        name="ball", view={"ground": "none", "look_from": [0, -1, 0]}, body={"a": ball},
+        joint={"j": {"free": {}, "between": ["ground", "a"]}},
+    )  # fmt: skip
+    shown = picture(scene, at_start(scene.compile()).states)
+    image = draw(shown, 0, 200, 200).astype(float)
+    red = image[:, :, 0] > image[:, :, 1] + 60
+    rows, columns = np.nonzero(red)
+    np.testing.assert_allclose([rows.mean(), columns.mean()], [99.5, 99.5], atol=0.6)
+    # the outline of a ball at a distance D : tan of half the angle is R / sqrt(D^2 - R^2)
+    distance = 0.95 * shown.reach[1] / np.sin(np.radians(17.5))
+    radius = 100 / np.tan(np.radians(17.5)) * 0.5 / np.sqrt(distance**2 - 0.25)
+    np.testing.assert_allclose(np.sqrt(red.sum() / np.pi), radius, rtol=0.02)
 
 
 def test_what_a_plot_cannot_show_is_told(tmp_path):

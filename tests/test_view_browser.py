@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import mbdfmi
 from mbdfmi.view.picture import picture
+from mbdfmi.view.show import show
 
 playwright = pytest.importorskip("playwright.sync_api", reason="pages are not tried: pip install 'mbdfmi[browser]'")
 
@@ -155,3 +156,16 @@ def test_without_webgl_there_are_words(chromium, tmp_path):
     page.wait_for_selector(".words")
     assert "shows no 3D" in page.text_content(".words")
     context.close()
+
+
+def test_a_picture_at_a_time(chromium, tmp_path):
+    import struct
+
+    from mbdfmi.view.browser import find
+
+    said = []
+    results = mbdfmi.load(MODELS / "four_bar.toml").simulate(1.0, 0.1)
+    assert find() is not None
+    path = show(results, tmp_path / "a.png", 0.5, said.append)
+    data = path.read_bytes()
+    assert said == [] and struct.unpack(">II", data[16:24]) == (1280, 800) and len(data) > 15_000

@@ -120,7 +120,7 @@ class Viewer {
   stand() {
     const half = THREE.MathUtils.degToRad(this.camera.fov) / 2;
     const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
-    const distance = (this.info.radius / Math.sin(narrow)) * 0.86;
+    const distance = (this.info.radius / Math.sin(narrow)) * 0.95;
     this.camera.position.copy(this.controls.target).addScaledVector(this.eye, distance);
     this.controls.update();
     this.stood = true;

@@ -1,15 +1,9 @@
 // What is drawn beside the bodies: grid, water, frames of markers, axes of joints.
 import * as THREE from "three";
 
-// a round length of which some fit into the radius
-function round(length) {
-  const power = 10 ** Math.floor(Math.log10(length));
-  return power * [1, 2, 5].findLast((part) => part * power <= length);
-}
-
 export function grid(scene, root, info) {
   if (!info.grid) return null;
-  const cell = round(info.radius / 2.5);
+  const cell = info.grid;
   const half = Math.ceil((2.2 * info.radius) / cell);
   const lines = new THREE.GridHelper(2 * half * cell, 2 * half, "#9fb0bf", "#d5dde4");
   const [x, , z] = info.centre;

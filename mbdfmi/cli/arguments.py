@@ -87,9 +87,10 @@ def add_view(command, what):
     command.add_argument(
         "--view",
         metavar="FILE",
-        help=f"write {what} to look at: .html, a page that works offline in any browser, or .glb, for "
-        "Blender and others",
+        help=f"write {what} to look at: .html, a page that works offline in any browser, .glb, for "
+        "Blender and others, or .png, a picture",
     )
+    command.add_argument("--at", type=float, metavar="T", help="time of the picture, s (default: the last)")
 
 
 def add_settings(command):

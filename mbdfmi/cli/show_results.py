@@ -5,7 +5,7 @@ from .tables import table_of
 from .terminal import err, note, out
 
 
-def show(results, csv, plot, view=None):
+def show(results, csv, plot, view=None, at=None):
     """Results to files, or a summary to the screen; what the solver had to say of them."""
     note(results.notices)
 
@@ -19,7 +19,10 @@ def show(results, csv, plot, view=None):
         say.print(str(results.plot(plot)), soft_wrap=True)
 
     if view:
-        say.print(str(results.view(view)), soft_wrap=True)
+        from ..view.show import show as show_view
+
+        path = show_view(results, view, at, lambda text: note([text]))
+        say.print(str(path), soft_wrap=True)
 
     if not (csv or plot or view):
         _print_summary(results)

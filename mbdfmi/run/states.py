@@ -44,7 +44,7 @@ class States:
         self._commands = COMMANDS if model.n_command else ()
         self._more: list = [None] * n
         self._start: tuple = ()
-        self._views: tuple | None = None
+        self._views: tuple = ()
 
     def __len__(self):
         return len(self.time)
@@ -63,11 +63,28 @@ class States:
         if self._commands:
             self._more[k] = instance.u.copy(), [getattr(d, name).copy() for name in self._commands]
 
+    @property
+    def parameters(self):
+        """The model's real parameters of the run."""
+        return self._start[0]
+
+    @property
+    def y(self):
+        """Outputs, after `at`."""
+        return self._views[2]
+
+    def take(self, other, instance):
+        """The states of another run of a model with the same states; instance: one of this model at its
+        start.
+        """
+        self.keep(0, instance)
+        self.time, self.inputs, self._x, self._more = other.time, other.inputs, other._x, other._more
+
     def at(self, k):
         """(m, d) of the model, kinematics and outputs done, at communication point k; the next call
         overwrites it.
         """
-        if self._views is None:
+        if not self._views:
             reals, state, work = self._start
             m, d = self.model.views(reals.copy())
             d.state_buffer[:] = state

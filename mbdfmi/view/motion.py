@@ -53,9 +53,9 @@ def picked(n, most):
     return np.unique(np.linspace(0, n - 1, min(n, max(2, most))).round().astype(int))
 
 
-def motion(scene, states, most=None) -> Motion:
-    """The motion of a run; `most`: of rows, evenly picked."""
-    rows = np.arange(len(states)) if most is None else picked(len(states), most)
+def motion(scene, states, rows=None) -> Motion:
+    """The motion of a run, at all of its rows or at some."""
+    rows = np.arange(len(states)) if rows is None else rows
     bodies = ["ground", *scene.body]
     r, A = states.poses(bodies, rows)
     base = (np.zeros((len(rows), 3)), np.tile(np.eye(3), (len(rows), 1, 1)))

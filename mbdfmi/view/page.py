@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 
 from . import glb
+from .arrows import arrows
 from .told import told
 
 FOLDER = Path(__file__).parent
@@ -34,9 +35,8 @@ def page(picture, results=None, notes=()) -> str:
         picture = picture.thinned(most)
 
     binary = glb.write(picture.tree(full=False), picture.moves.times, picture.title)
-    data = json.dumps(
-        told(picture, results, notes), separators=(",", ":"), ensure_ascii=False, allow_nan=False
-    )
+    info = told(picture, results, notes) | {"arrows": arrows(picture)}
+    data = json.dumps(info, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     parts = {
         "title": html.escape(picture.title),
         "style": (FOLDER / "page.css").read_text(encoding="utf-8"),

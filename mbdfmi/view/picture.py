@@ -75,6 +75,14 @@ class Picture:
         """The same with at most so many rows."""
         return replace(self, moves=self.moves.thinned(most))
 
+    def thinned_to(self, rows):
+        """The same with some rows of the states of the run alone."""
+        return replace(self, moves=motion(self.scene, self.states, rows=rows))
+
+    def turned(self, vectors):
+        """Vectors (n, 3) in inertial axes, one a row, in the picture's."""
+        return np.einsum("nji,nj->ni", self.moves.inertial[1], vectors)
+
     def ends_axis(self, axis):
         """(3,) the direction, at the first time, of an axis (a table with body and axis)."""
         k = self.moves.bodies.index(axis["body"])
@@ -178,17 +186,32 @@ class Picture:
 
         return node
 
+    def drawn(self, moves: Motion):
+        """(surface, colour, opacity) of all pieces and links at the one time of `moves`, in the picture's
+        frame.
+        """
+        for piece in self.pieces:
+            k = moves.bodies.index(piece.body)
+            A = Rotation.from_quat(moves.q[0, k]).as_matrix()
+            yield forms.moved(piece.surface, moves.r[0, k], A), piece.colour, piece.opacity
+
+        still = replace(self, moves=moves)
+        for link in self.links:
+            node = still._link(link, _exact)
+            A = Rotation.from_quat(node.q).as_matrix()
+            yield forms.moved(forms.cylinder(), node.r, A, node.scale), link.colour, 1.0
+
     def glb(self) -> bytes:
         """The animated GLB."""
         return glb.write(self.tree(), self.moves.times, self.title)
 
 
-def picture(scene, states, most=None) -> Picture:
-    """The picture of a scene and the states of a run of it; `most`: of rows, evenly picked.
+def picture(scene, states) -> Picture:
+    """The picture of a scene and the states of a run of it.
 
     Raises ValueError where a mesh cannot be read.
     """
-    moves = motion(scene, states, most)
+    moves = motion(scene, states)
     size = _size(scene, moves)
     return Picture(scene, states, moves, size, pieces(scene, size), links(scene, size))
 

@@ -12,10 +12,13 @@ from ..files import check_ending, replacing, to_standard_output
 from ..run.instance import Instance
 from ..run.results import Results
 from ..run.states import States
+from . import browser, drawing
 from .page import page
 from .picture import picture
 
-ENDINGS = (".html", ".htm", ".glb")
+ENDINGS = (".html", ".htm", ".glb", ".png")
+
+NO_BROWSER = "no chromium or Chrome was found (MBDFMI_BROWSER names one): the picture is drawn without names"
 
 
 class Run(Results):
@@ -36,12 +39,13 @@ class Run(Results):
 
         return self.states.model.scene
 
-    def view(self, path=None) -> Path:
-        """Write the run as a page (.html) that plays it, or as an animated GLB; without a path, open it.
+    def view(self, path=None, at: float | None = None) -> Path:
+        """Write the run as a page (.html) that plays it, as an animated GLB, or as a picture (.png) at a time
+        (s; by default the last); without a path, open the page.
 
         Returns the path. Raises ValueError for another ending, and where a mesh cannot be read.
         """
-        return show(self, path)
+        return show(self, path, at)
 
     def _repr_html_(self):
         """In a notebook: the page."""
@@ -62,30 +66,72 @@ def at_start(model: Model, parameters=None, inputs=None) -> Run:
     return Run({"time": np.zeros(1)}, {"time": "s"}, model.title, instance.notices, states)
 
 
-def check_view(path):
-    """Raises now the ValueError that `show` would raise later for a file's ending."""
+def check_view(path, at=None):
+    """Raises now the ValueError that `show` would raise later for a file's ending, or for a time without a
+    picture.
+    """
     check_ending(path, "a page is to be written", *ENDINGS)
 
-    if Path(path).suffix.lower() not in ENDINGS and not to_standard_output(path):
-        raise ValueError(f"{path}: let its name end in .html (a page) or .glb (for Blender and others)")
+    ending = Path(path).suffix.lower()
+
+    if at is not None and ending != ".png":
+        raise ValueError(f"{path}: a time (--at) is that of a picture, .png; a page holds them all")
+
+    if ending not in ENDINGS and not to_standard_output(path):
+        raise ValueError(
+            f"{path}: let its name end in .html (a page), .glb (for Blender and others) or .png (a picture)"
+        )
 
 
-def show(run: Run, path=None) -> Path:
-    """Write a run by the ending of the path, or open its page in the browser. Returns the path."""
+def show(run: Run, path=None, at: float | None = None, tell=lambda text: None) -> Path:
+    """Write a run by the ending of the path, or open its page in the browser. Returns the path.
+
+    at : time of a picture, s; by default the last. tell : is told what a user should know of the picture.
+    """
     if path is None:
         folder = Path(tempfile.mkdtemp(prefix="mbdfmi-"))
         path = show(run, folder / "view.html")
         webbrowser.open(path.as_uri())
         return path
 
-    check_view(path)
-    shown = picture(run.scene, run.states)
-    data = shown.glb() if Path(path).suffix.lower() == ".glb" else page(shown, run, run.notices).encode()
+    check_view(path, at)
+    ending = Path(path).suffix.lower()
+
+    if ending == ".png":
+        data = picture_at(run, at, tell)
+    else:
+        shown = picture(run.scene, run.states)
+        data = shown.glb() if ending == ".glb" else page(shown, run, run.notices).encode()
 
     with replacing(path) as temporary:
         temporary.write_bytes(data)
 
     return Path(path)
+
+
+def picture_at(run: Run, at: float | None = None, tell=lambda text: None) -> bytes:
+    """A picture (PNG) of a run at a time (s; by default the last): by a browser where there is one.
+
+    Raises ValueError for a time that is not within the run.
+    """
+    times = run["time"]
+    at = float(times[-1] if at is None else at)
+
+    if not times[0] - 1e-9 <= at <= times[-1] + 1e-9:
+        raise ValueError(f"--at {at:g}: the run is from {times[0]:g} to {times[-1]:g} s")
+
+    shown = picture(run.scene, run.states)
+    chromium = browser.find()
+
+    if chromium is not None:
+        try:
+            return browser.shoot(chromium, page(shown, None, run.notices), at)
+        except OSError as error:
+            tell(f"{error}: the picture is drawn without names")
+    else:
+        tell(NO_BROWSER)
+
+    return drawing.png(drawing.draw(shown, int(np.abs(times - at).argmin()), 1280, 800))
 
 
 def framed(text, height=480):

@@ -34,7 +34,7 @@ def told(picture, results=None, notes=()):
         "axes": list(_axes(scene)),
         "ends": list(_ends(scene)),
         "times": [float(moves.times[0]), float(moves.times[-1])] if run else None,
-        "grid": view.ground == "grid",
+        "grid": grid_cell(radius) if view.ground == "grid" else None,
         "floor": ground,
         "water": view.water,
         "centre": (root @ centre).tolist(),
@@ -44,7 +44,7 @@ def told(picture, results=None, notes=()):
         "followed": view.frame if view.frame in scene.body and run else "",
         "paths": list(view.paths),
         "plots": plots(scene, results) if run and results is not None else None,
-        "arrows": None,
+        "arrows": None,  # see arrows.py
     }
 
 
@@ -60,6 +60,12 @@ def unseen_ground(picture):
     ]
     lowest = min(heights, default=0.0) - BELOW * picture.reach[1]
     return float(min(0.0, lowest))
+
+
+def grid_cell(radius):
+    """m: a round length of which some fit into the radius."""
+    power = 10 ** np.floor(np.log10(radius / 2.5))
+    return float(power * max(part for part in (1, 2, 5) if part * power <= radius / 2.5))
 
 
 def order(picture):

@@ -23,6 +23,7 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
   mbdfmi simulate pendulum.toml --until 10
   mbdfmi simulate pendulum.toml --until 10 --step 0.01 --csv a.csv --plot a.png
   mbdfmi simulate pendulum.toml --until 10 --view run.html
+  mbdfmi simulate pendulum.toml --until 10 --view a.png --at 2.5
   mbdfmi simulate arm.toml --until 2 --set elbow.torque=5 --set gravity=0,0,-1.62
 
 `mbdfmi info SCENE --parameters` lists what --set can set.""",
@@ -44,7 +45,7 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
 def run(options):
     """Runs, and shows or writes what came of it."""
     csv, plot = result_files(options, options.scene)
-    shown = view_file(options.view, options.scene, csv, plot)
+    shown = view_file(options.view, options.at, options.scene, csv, plot)
     scene = load_scene(options.scene, options)
     model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
@@ -58,4 +59,4 @@ def run(options):
     with time_bar(options.until) as progress:
         results = scene.simulate(options.until, options.step, inputs, parameters, progress=progress)
 
-    show(results, csv, plot, shown)
+    show(results, csv, plot, shown, options.at)

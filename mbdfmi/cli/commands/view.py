@@ -21,16 +21,19 @@ boxes of equal inertia, with sticks from joint to joint. For a motion: mbdfmi si
   mbdfmi view crane.toml                        in the browser
   mbdfmi view crane.toml -o crane.html          a page
   mbdfmi view crane.toml -o crane.glb           for Blender and others
+  mbdfmi view crane.toml -o crane.png           a picture
   mbdfmi view crane.toml --set boom.angle_start=0.5""",
     )
     add_scene(command)
-    command.add_argument("-o", "--output", metavar="FILE", help=".html or .glb (default: opens the browser)")
+    command.add_argument(
+        "-o", "--output", metavar="FILE", help=".html, .glb or .png (default: opens the browser)"
+    )
     add_settings(command)
 
 
 def run(options):
     """Assembles it and shows it."""
-    path = view_file(options.output, options.scene)
+    path = view_file(options.output, None, options.scene)
     model = load_scene(options.scene, options).compile()
     inputs, parameters = settings_of(model, options.set)
 
@@ -41,4 +44,4 @@ def run(options):
 
     note(found.notices)
     say = err if path and to_standard_output(path) else out
-    say.print(str(show(found, path)), soft_wrap=True)
+    say.print(str(show(found, path, tell=lambda text: note([text]))), soft_wrap=True)

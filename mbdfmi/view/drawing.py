@@ -1,0 +1,210 @@
+"""Pictures drawn by numpy alone: of an FMU, and where there is no browser. The same everywhere; no names.
+
+Triangles become fragments (one for each pixel that each covers), which are sorted by pixel and depth.
+"""
+
+import struct
+import zlib
+
+import numpy as np
+
+from .motion import Motion
+from .told import eye, grid_cell, unseen_ground
+
+BACKGROUND = np.array([0xF4, 0xF6, 0xF8]) / 255
+GRID, WATER = (0.79, 0.83, 0.87), (0.24, 0.56, 0.77)
+
+# degrees from the bottom of the picture to its top; samples along each side of a pixel
+FIELD = 35.0
+FINE = 2
+
+# fragments in hand at once; layers of what is seen through
+MOST = 2_000_000
+LAYERS = 6
+
+
+def draw(picture, row=0, width=640, height=400):
+    """(height, width, 3) bytes: a picture at a row of its motion."""
+    camera = _Camera(picture, width * FINE, height * FINE)
+    points, normals, colours, opacities = _triangles(picture, row)
+    fragments = camera.fragments(points)
+    light = _light(camera.facing(points, normals))
+    fine = _blend(fragments, colours[:, None] * light, opacities, width * FINE * height * FINE)
+    image = fine.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
+    return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
+
+
+def png(image) -> bytes:
+    """A picture (height, width, 3) of bytes as a PNG file (https://www.w3.org/TR/png)."""
+    height, width, _ = image.shape
+    lines = np.zeros((height, 1 + 3 * width), np.uint8)
+    lines[:, 1:] = image.reshape(height, -1)
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    parts = (b"IHDR", head), (b"IDAT", zlib.compress(lines.tobytes(), 9)), (b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)
+
+
+class _Camera:
+    """Looks at all of a picture from its eye; x to the right, y up, z towards the eye."""
+
+    def __init__(self, picture, width, height):
+        centre, radius = picture.reach
+        back = picture.root @ eye(picture)
+        back = back / np.linalg.norm(back)
+        right = np.cross([0.0, 1.0, 0.0], back)
+        right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
+        self.axes = np.array([right, np.cross(back, right), back])
+        half = np.radians(FIELD) / 2
+        narrow = min(half, np.arctan(np.tan(half) * width / height))
+        self.at = picture.root @ centre + back * 0.95 * radius / np.sin(narrow)
+        self.near = radius / 500
+        self.width, self.height = width, height
+        self.scale = height / 2 / np.tan(half)
+
+    def facing(self, points, normals):
+        """Normals (n, 3, 3) turned to the eye, in the camera's axes."""
+        towards = self.at - points
+        flip = np.where((normals * towards).sum(axis=2) < 0, -1.0, 1.0)
+        return (normals * flip[:, :, None]) @ self.axes.T
+
+    def fragments(self, points):
+        """(pixel, depth, triangle, weights (n, 3) of its corners) of triangles (n, 3, 3)."""
+        seen = (points - self.at) @ self.axes.T
+        ahead = (seen[:, :, 2] < -self.near).all(axis=1)
+        depth = np.where(ahead[:, None], -seen[:, :, 2], 1.0)
+        x = self.width / 2 + self.scale * seen[:, :, 0] / depth
+        y = self.height / 2 - self.scale * seen[:, :, 1] / depth
+        left, right = np.clip([x.min(axis=1), x.max(axis=1)], 0, self.width)
+        top, bottom = np.clip([y.min(axis=1), y.max(axis=1)], 0, self.height)
+        first = np.floor(np.column_stack([left, top])).astype(int)
+        size = np.ceil(np.maximum(right - first[:, 0], bottom - first[:, 1])).astype(int)
+        shown = np.flatnonzero(ahead & (right > left) & (bottom > top))
+        found = []
+
+        # triangles of about one size together
+        for edge in (2**power for power in range(13)):
+            some = shown[(size[shown] <= edge) & (size[shown] > edge // 2)]
+
+            for k in range(0, len(some), max(1, MOST // edge**2)):
+                chunk = some[k : k + max(1, MOST // edge**2)]
+                found.append(self._covered(chunk, x, y, depth, first, edge))
+
+        return [np.concatenate(parts) for parts in zip(*found)] if found else None
+
+    def _covered(self, chunk, x, y, depth, first, edge):
+        """Fragments of some triangles, of squares of pixels that hold them."""
+        step = np.arange(edge)
+        px = (first[chunk, 0, None] + step)[:, None, :] + 0.5
+        py = (first[chunk, 1, None] + step)[:, :, None] + 0.5
+        (ax, bx, cx), (ay, by, cy) = (v[chunk].T[:, :, None, None] for v in (x, y))
+        area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+        area = np.where(np.abs(area) < 1e-9, np.inf, area)
+        u = ((bx - px) * (cy - py) - (cx - px) * (by - py)) / area
+        v = ((cx - px) * (ay - py) - (ax - px) * (cy - py)) / area
+        w = 1 - u - v
+        inside = (u >= 0) & (v >= 0) & (w >= 0) & np.isfinite(area) & (px < self.width) & (py < self.height)
+        n, row, column = np.nonzero(inside)
+        weights = np.column_stack([u[inside], v[inside], w[inside]])
+        pixel = (first[chunk[n], 1] + row) * self.width + first[chunk[n], 0] + column
+        # as distances appear: their reciprocals are linear on the screen
+        weights /= depth[chunk[n]]
+        distance = 1 / weights.sum(axis=1)
+        return pixel, distance, chunk[n], weights * distance[:, None]
+
+
+def _blend(fragments, colours, opacities, n):
+    """(n, 3): what is seen at each pixel. colours (triangles, 3 corners, 3), opacities (triangles,)."""
+    image = np.tile(BACKGROUND, (n, 1))
+
+    if fragments is None:
+        return image
+
+    pixel, depth, triangle, weights = fragments
+    order = np.lexsort((depth, pixel))
+    pixel, triangle, weights = pixel[order], triangle[order], weights[order]
+    colour = (weights[:, :, None] * colours[triangle]).sum(axis=1)
+    opacity = opacities[triangle]
+    # which fragment of its pixel, from the front, and how much is seen through those before it
+    start = np.flatnonzero(np.concatenate([[True], pixel[1:] != pixel[:-1]]))
+    rank = np.arange(len(pixel)) - np.repeat(start, np.diff([*start, len(pixel)]))
+    through, seen = np.ones(n), np.zeros((n, 3))
+
+    for layer in range(LAYERS):
+        k = np.flatnonzero(rank == layer)
+        at = pixel[k]
+        seen[at] += (through[at] * opacity[k])[:, None] * colour[k]
+        through[at] *= 1 - opacity[k]
+
+    return seen + through[:, None] * image
+
+
+def _light(normals):
+    """(n, 3, 1): how bright surfaces are, by their normals (n, 3 corners, 3) in the camera's axes."""
+    sun = np.array([0.35, 0.75, 0.6]) / np.linalg.norm([0.35, 0.75, 0.6])
+    return (0.58 + 0.12 * normals[..., 1:2] + 0.4 * np.maximum(normals @ sun, 0.0)[..., None]).clip(0, 1.05)
+
+
+def _triangles(picture, row):
+    """Points and normals (n, 3, 3) with y up, colours (n, 3), opacities (n,) of all there is."""
+    moves = picture.moves
+    still = Motion(
+        moves.times[[row]],
+        moves.bodies,
+        moves.r[[row]],
+        moves.q[[row]],
+        tuple(v[[row]] for v in moves.inertial),
+    )
+    found = []
+
+    for surface, colour, opacity in picture.drawn(still):
+        points, normals = surface.points @ picture.root.T, surface.normals @ picture.root.T
+        found.append((points[surface.faces], normals[surface.faces], colour, opacity))
+
+    found += _scenery(picture)
+    count = [len(points) for points, *_ in found]
+    return (
+        np.concatenate([points for points, *_ in found]),
+        np.concatenate([normals for _, normals, *_ in found]),
+        np.repeat([colour for *_, colour, _ in found], count, axis=0),
+        np.repeat([opacity for *_, opacity in found], count),
+    )
+
+
+def _scenery(picture):
+    """The grid and the water, in pieces, so that those behind the eye are left out alone."""
+    view, (centre, radius) = picture.scene.view, picture.reach
+    middle = (picture.root @ centre)[[0, 2]]
+    found = []
+
+    if view.ground == "grid":
+        cell = grid_cell(radius)
+        n = int(np.ceil(2.2 * radius / cell))
+        k = cell * np.arange(-n, n + 1)
+        along, at = (v.reshape(-1, 1) for v in np.meshgrid(k[:-1], k))
+        thin = 0.0035 * radius
+        lines = np.stack(
+            [along + cell * np.array([0, 1, 1, 0]), at + thin * np.array([-1, -1, 1, 1])], axis=2
+        )
+        lines = np.concatenate([lines, lines[:, :, ::-1]]) + np.round(middle / cell) * cell
+        found.append((*_flat(lines, unseen_ground(picture)), GRID, 1.0))
+
+    if view.water is not None:
+        k = np.linspace(-3 * radius, 3 * radius, 13)
+        u, v = (w.reshape(-1, 1) for w in np.meshgrid(k[:-1], k[:-1]))
+        step = k[1] - k[0]
+        squares = (
+            np.stack([u + step * np.array([0, 1, 1, 0]), v + step * np.array([0, 0, 1, 1])], axis=2) + middle
+        )
+        found.append((*_flat(squares, view.water), WATER, 0.42))
+
+    return found
+
+
+def _flat(corners, height):
+    """(points, normals) of the triangles of quadrangles (n, 4, 2) that lie at a height."""
+    points = np.insert(corners, 1, height, axis=2)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
+    return points, np.broadcast_to([0.0, 1.0, 0.0], points.shape)
