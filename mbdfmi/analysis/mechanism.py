@@ -136,6 +136,11 @@ class Mechanism:
     """
 
     def __init__(self, scene, first=()):
+        if scene.solver.formulation == "auto":
+            # by joint coordinates, whatever is cheaper to run
+            solver = scene.solver.model_copy(update={"formulation": "recursive"})
+            scene = scene.model_copy(update={"solver": solver})
+
         self.scene = scene
         self.model = compile_scene(scene, first)
         self.instance = Instance(self.model)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ..kernels import entry
 from ..kernels.dynamics import rates
+from ..kernels.joints import KINDS, N_Q, N_V
 from ..kernels.motion import coordinates
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..rotations import Rotation
@@ -17,7 +18,7 @@ def start_motion(model):
     """How the bodies and joints of a model in relative coordinates start once its loops are closed.
 
     Returns (body -> (q (7,) [r m, E], v (6,) [velocity m/s, angular velocity rad/s]) of the body's node, in the ground's axes, and
-    (joint that stays in the tree, which of its coordinates) -> (position, speed); angles of joints: (joint, which of its coordinates) -> rad).
+    (joint of the tree, which of its nodes) -> (its q, its v); angles of joints: (joint, which of its coordinates) -> rad).
     """
     m, d = model.views()
 
@@ -42,10 +43,23 @@ def start_motion(model):
         motion[body] = (q, v)
 
     for i, node in enumerate(model.tree.nodes):
-        if node.joint and model.scene.joint[node.joint].stays_in_tree:
-            motion[node.joint, node.coordinate] = (d.q[m.body_q[i]], d.v[m.body_v[i]])
+        if node.joint:
+            q, v = m.body_q[i], m.body_v[i]
+            kind = KINDS[node.kind]
+            motion[node.joint, node.coordinate] = (d.q[q : q + N_Q[kind]], d.v[v : v + N_V[kind]])
 
     return motion, _angles(model, m, d)
+
+
+def keeps_start(model) -> bool:
+    """Whether a model's loops are closed at its start values, so that its start does not move them."""
+    m, d = model.views()
+
+    if entry.prepare(m, d) != OK or entry.initialise(m, d, 0.0) != OK:
+        return False
+
+    given = np.concatenate([m.q_start, m.v_start])
+    return bool(np.all(np.abs(d.x[: len(given)] - given) < 1e-8 * (1.0 + np.abs(given))))
 
 
 def _check_inertia(model, told):
@@ -68,7 +82,7 @@ def _angles(model, m, d):
 def add_absolute_starts(builder, motion):
     """Start values of nodes that hang freely on the ground, as parameters named after their first body.
 
-    And of joints that stay in the tree, whose parameters joint_starts.py has added.
+    And of joints that are in the tree still, whose parameters joint_starts.py has added.
     """
     ground = builder.tree.home["ground"][0]
 
@@ -78,8 +92,8 @@ def add_absolute_starts(builder, motion):
 
         if node.joint:
             q, v = motion[node.joint, node.coordinate]
-            builder.single["q_start"][builder.q[i]] = q
-            builder.single["v_start"][builder.v[i]] = v
+            builder.single["q_start"][builder.q[i] : builder.q[i] + len(q)] = q
+            builder.single["v_start"][builder.v[i] : builder.v[i] + len(v)] = v
             continue
 
         name = node.bodies[0]

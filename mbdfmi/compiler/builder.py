@@ -141,6 +141,7 @@ class Builder:
     loop_hints : for each constraint, whose starts would help where it cannot be closed.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
+    starts_elsewhere : joints start as was found on another tree, whatever is given.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
     """
 
@@ -171,6 +172,7 @@ class Builder:
         self.torque_inputs = {}
         self._markers = {}
         self.coordinates = {}
+        self.starts_elsewhere = start_angles is not None
         self.start_angles = start_angles or coupled_angles(scene)
         self._index_nodes()
         self.marker("inertial")

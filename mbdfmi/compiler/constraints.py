@@ -5,7 +5,7 @@ from ..kernels.joints import KINDS, N_V
 from ..vectors import norm
 from .builder import Constraint, Place
 from .couplings import coordinate_ends, coupling_constraints, drive_constraints
-from .elimination import elimination
+from .elimination import elimination, neighbours
 from .joint_kinds import kind_of
 from .start import start_pose
 
@@ -22,7 +22,8 @@ def add_constraints(builder):
     # the joint-space mass matrix spreads every row over all coordinates
     every = list(range(1, len(builder.nodes)))
     path = [every if builder.embeds else _path(builder, c) for c in constraints]
-    order, earlier = elimination(_neighbours(builder, path))
+    free = [[i for i in nodes if i not in builder.drive_of] for nodes in path]
+    order, earlier = elimination(neighbours(free))
     constraints = [constraints[k] for k in order]
     builder.constraint_names = [c.name for c in constraints]
     builder.constraint_nodes = [c.nodes for c in constraints]
@@ -126,23 +127,6 @@ def _rigid_part(builder, i):
         i = builder.nodes[i].parent
 
     return i
-
-
-def _neighbours(builder, paths):
-    """For each path of nodes the set of the others that share a node with it, nodes with drives left out."""
-    at_node = {}
-
-    for c, path in enumerate(paths):
-        for i in set(path) - set(builder.drive_of):
-            at_node.setdefault(i, set()).add(c)
-
-    near = [set() for _ in paths]
-
-    for group in at_node.values():
-        for c in group:
-            near[c] |= group
-
-    return [near[c] - {c} for c in range(len(paths))]
 
 
 def _add_tables(builder, constraints, paths, earlier):

@@ -35,3 +35,20 @@ def elimination(neighbours):
         order.append(c)
 
     return order, [earlier[c] for c in order]
+
+
+def neighbours(paths):
+    """For each path of nodes the set of the others that share a node with it."""
+    at_node = {}
+
+    for c, path in enumerate(paths):
+        for i in path:
+            at_node.setdefault(i, set()).add(c)
+
+    near = [set() for _ in paths]
+
+    for group in at_node.values():
+        for c in group:
+            near[c] |= group
+
+    return [near[c] - {c} for c in range(len(paths))]

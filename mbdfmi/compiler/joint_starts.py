@@ -83,7 +83,7 @@ def tell_start(builder, name, joint):
         _tell_pose(builder, name, joint)
         return
 
-    in_tree = name in builder.joint_nodes
+    in_tree = name in builder.joint_nodes and not builder.starts_elsewhere
     led = kind_of(joint).led(joint)
 
     for which, written, values in (
@@ -108,7 +108,8 @@ def tell_start(builder, name, joint):
 def _tell_pose(builder, name, joint):
     """The same of a spherical or free joint."""
     ends = [builder.marker(end) for end in joint.between]
-    node = builder.joint_nodes[name][0] if name in builder.joint_nodes else None
+    in_tree = name in builder.joint_nodes and not builder.starts_elsewhere
+    node = builder.joint_nodes[name][0] if in_tree else None
     q, v = joint.start_position(), joint.start_velocity()
     A = joint.start.rotation()
 

@@ -14,7 +14,7 @@ from ..kernels.motion.commands import N_DERIVATIVE
 from ..kernels.views import DataView, ModelView
 from ..scene import SceneData
 from ..steppers import STEPPERS, needs_jacobian
-from .absolute import add_absolute_starts, start_motion
+from .absolute import add_absolute_starts, keeps_start, start_motion
 from .bodies import (
     add_bodies,
     add_ground_outputs,
@@ -25,7 +25,7 @@ from .bodies import (
     add_work_limit,
     evaluation_cost,
 )
-from .builder import Builder
+from .builder import Builder, Table
 from .constraints import add_constraints
 from .couplings import add_coupling_outputs
 from .drives import add_drives
@@ -34,6 +34,7 @@ from .forces import add_forces
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
+from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .reactions import add_reactions
 from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable, reference_table
@@ -53,6 +54,7 @@ class Model:
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     guid : hash of all that a simulation depends on.
     notices : what a user should be told of the scene, and of what was made of it.
+    formulation : "recursive", "embedding", "augmented", or "apart" (partition.py).
     """
 
     scene: SceneData
@@ -72,6 +74,7 @@ class Model:
     coordinates: dict[tuple[str, int], int]
     guid: str
     notices: list[str]
+    formulation: str = "recursive"
 
     def __getattr__(self, name):
         """Counts of the layout table by name, e.g. `model.n_v`."""
@@ -101,13 +104,52 @@ def compile_scene(scene: SceneData, first=()) -> Model:
 
     Raises SceneError where its parts do not form what the kernels can do.
     """
-    if scene.solver.formulation == "augmented":
-        relative = _compile(scene, spanning_tree(scene), "recursive")
-        return _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
-
-    # articulated bodies were the cheapest of the three at every size and shape measured (`python -m benchmarks`)
     formulation = scene.solver.formulation
-    return _compile(scene, spanning_tree(scene, first), "recursive" if formulation == "auto" else formulation)
+
+    if formulation == "augmented":
+        relative = _compile(scene, spanning_tree(scene), "recursive")
+        model = _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
+        return replace(model, formulation=formulation)
+
+    tree = spanning_tree(scene, first)
+
+    # but for loops in a row articulated bodies were the cheapest of the three at every size and shape measured
+    # (`python -m benchmarks`)
+    parted = parted_tree(scene, tree) if formulation == "auto" and not first else None
+    model = _compile_parted(scene, tree, parted) if parted else None
+
+    if model:
+        return replace(model, formulation="apart")
+
+    formulation = "recursive" if formulation == "auto" else formulation
+    return replace(_compile(scene, tree, formulation), formulation=formulation)
+
+
+def _compile_parted(scene, tree, parted):
+    """The model with bodies apart, which starts as that on the whole tree would; None where it cannot hold that start.
+
+    Where the given start closes the loops, that needs no loop of the whole tree; very many loops are closed apart.
+    """
+    model = _compile(scene, parted, "recursive", *start_motion(_open_model(scene, tree)))
+
+    if predicted_cost(scene, tree) < MOST_AT_START and not keeps_start(model):
+        model = _compile(scene, parted, "recursive", *start_motion(_compile(scene, tree, "recursive")))
+        return model if keeps_start(model) else None
+
+    return model
+
+
+def _open_model(scene, tree):
+    """The model of a tree alone, without what closes loops, forces and outputs."""
+    builder = Builder(scene, tree, False)
+    add_settings(builder)
+    add_drives(builder)
+    add_bodies(builder)
+    add_end_frames(builder)
+    add_joints(builder)
+    builder.outputs.clear()
+    builder.tables["n_output"] = Table()
+    return _assemble(builder)
 
 
 def _compile(scene, tree, formulation, motion=None, angles=None):

@@ -27,7 +27,9 @@ class Solver(Part):
         motions; "auto", one of these, changed when the motion turns out to be stiff (in models of up to 500 states). With
         a fixed step: "rk4", explicit, of order 4; "ros2", linearly implicit, of order 2, for stiff motions in real time;
         "gauss", implicit and symmetric, of order 8, for the long run.
-    formulation : "recursive", "embedding", "augmented", or "auto", the cheapest of them.
+    formulation : "recursive", "embedding", "augmented", or "auto": joint coordinates, or, where many loops stand in a row and
+        that is predicted to be half as dear or less, bodies apart, whose own poses are the states and have the start values (as
+        with "augmented"). `mbdfmi info` shows what was chosen.
     step : s, of those with a fixed step.
     tolerance, absolute_tolerance : of the adaptive ones, relative and absolute.
     max_step : s, of the adaptive ones, or None.

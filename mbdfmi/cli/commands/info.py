@@ -8,6 +8,11 @@ from ..paths import load_scene
 from ..tables import count, print_table, table_of, vector
 from ..terminal import doing_here, err, note, out
 
+# what a user cannot have written
+FORMULATIONS = {
+    "apart": 'bodies apart, chosen as loops stand in a row; "recursive" would keep joint coordinates'
+}
+
 
 def add(commands):
     """The command and its arguments."""
@@ -59,6 +64,7 @@ def _print_heading(scene, model, found):
         f"gravity {f'central, mu {central.mu:g} m3/s2' if central else f'{vector(scene.gravity)} m/s2'}"
     )
     out.print(f"solver {_solver(scene.solver)}")
+    out.print(f"formulation {FORMULATIONS.get(model.formulation, model.formulation)}")
 
 
 def _print_bodies(scene):
