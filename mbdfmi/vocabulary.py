@@ -69,9 +69,16 @@ FREE_ORIENTATION = ORIENTATION._replace(effort=Quantity("moment", "N.m", 3))
 YAW_PITCH_ROLL = Coordinate(ZYX, ZYX_RATE, Quantity("torque", "N.m", 3))
 
 
+def parameter_of(unit: str | None) -> Coordinate:
+    """The parameter of a curve, whose unit that is."""
+    rate, effort = {"m": ("m/s", "N"), "rad": ("rad/s", "N.m")}.get(unit or "", (None, None))
+    return Coordinate(Quantity("s", unit), Quantity("s_rate", rate), Quantity("effort", effort))
+
+
 def acceleration_of(coordinate: Coordinate) -> Quantity:
     """The second rate of a joint's one coordinate."""
-    return Quantity("acceleration", f"{coordinate.position.unit}/s2")
+    unit = coordinate.position.unit
+    return Quantity("acceleration", f"{unit}/s2" if unit else None)
 
 
 def coordinate_names(coordinates: tuple[Coordinate, ...]) -> list[str]:
@@ -116,6 +123,12 @@ REACTIONS = table(
 
 PARAMETERS = table(Quantity("s", words="parameter"), Quantity("s_rate", words="rate of the parameter"))
 """Of a curve or a surface, whose units those of its parameters are."""
+
+PARAMETER_EFFORTS = table(
+    Quantity("effort", words="effort of the driver"),
+    Quantity("driver_power", "W", words="power of the driver"),
+)
+"""Along the parameter of a curve where that is driven, in its unit: N of a length, N m of an angle."""
 
 END_FRAME_AXES = table(
     Quantity("tangent", None, 3, "unit tangent"),

@@ -239,3 +239,137 @@ def test_in_an_fmu(tmp_path):
         assert np.array_equal(fmu.outputs(), here.outputs())
 
     fmu.free()
+
+
+# driven along the curve
+
+
+def bead(formulation, driver, c=0.5, **hold):
+    """A point of 1.3 kg on an upright parabola z = c x^2, driven along x."""
+    curve = {"parabola": {"coefficient": c}}
+    between = ["ground.m", "b"]
+    output = ["s", "s_rate", "effort", "driver_power", "reaction_force"]
+    inertia = [0.1] * 3 if formulation == "augmented" else [0.0] * 3
+    return {
+        "name": "bead", "solver": EXACT | {"formulation": formulation}, "output": ["driver_power"],
+        "ground": {"marker": {"m": {"axes": {"x": "x", "y": "z"}, "curve": curve}}},
+        "body": {"b": {"mass": 1.3, "inertia": inertia, "output": ["position"]}},
+        "joint": {
+            "move": {"translation": {}, "between": ["ground", "b"]},
+            "hold": {"point_on_curve": {}, "between": between, "driver": driver, "output": output} | hold,
+        },
+    }  # fmt: skip
+
+
+@formulations
+def test_a_bead_driven_along_a_parabola(formulation):
+    """Q = m (x'' (1 + 4 c^2 x^2) + 4 c^2 x x'^2 + 2 c g x), in the units of s = x; beyond a start that was nearer elsewhere."""
+    driver = {"harmonic": {"amplitude": 1.2, "frequency": 0.7, "phase_deg": 50}}
+    results = run(bead(formulation, driver))
+    w, m, c = 2 * np.pi * 0.7, 1.3, 0.5
+    phase = w * results["time"] + np.radians(50)
+    x, v, a = 1.2 * np.sin(phase), 1.2 * w * np.cos(phase), -1.2 * w**2 * np.sin(phase)
+    assert_near(results["hold.s"], x, 1e-13)
+    assert_near(results["hold.s_rate"], v, 1e-12)
+    assert_near(columns(results, "b.position", 3), np.column_stack([x, 0 * x, c * x * x]), 1e-13)
+    effort = m * (a * (1 + 4 * c * c * x * x) + 4 * c * c * x * v * v + 2 * c * 9.81 * x)
+    assert_near(results["hold.effort"], effort, 1e-11)
+    assert_near(results["hold.driver_power"], effort * v, 1e-10)
+    assert_near(results["driver_power"], effort * v, 1e-10)
+
+    # the reaction is all that the joint exerts: Newton's law
+    force = m * np.column_stack([a, 2 * c * (v * v + x * a) + 9.81])
+    assert_near(columns(results, "hold.reaction_force", 3)[:, :2], force, 1e-10)
+
+
+@formulations
+def test_a_car_driven_around_a_circle(formulation):
+    """Its inertia about the binormal turns with it, and what turns it is the force along the track."""
+    scene = on_shape("frame_on_curve", {"circle": {"radius": 2.0}}, formulation=formulation)
+    scene["body"]["b"] |= {"com": [0, 0, 0], "inertia": [0.4, 0.5, 0.6], "marker": {"e": {}}}
+    scene["ground"]["marker"]["m"] |= {"axes": {"x": "x", "y": "z"}, "position": [0, 0, 0]}
+    del scene["ground"]["marker"]["m"]["zyx_deg"]
+    scene["gravity"] = [0, 0, -9.81]
+    scene["joint"]["hold"] |= {
+        "driver": {"polynomial": {"coefficients": [0.3, 1.5, 0.4]}}, "output": ["s", "effort", "driver_power"],
+    }  # fmt: skip
+    results = run(scene)
+    t = results["time"]
+    s, rate = 0.3 + 1.5 * t + 0.4 * t * t, 1.5 + 0.8 * t
+    assert_near(results["hold.s"], s, 1e-13)
+    effort = (1.3 + 0.5 / 4) * 0.8 + 1.3 * 9.81 * np.cos(s / 2)
+    assert_near(results["hold.effort"], effort, 1e-11)
+    assert_near(results["hold.driver_power"], effort * rate, 1e-10)
+
+
+@pytest.mark.parametrize("driver", [{"constant_speed": 0.4}, {"hold": True}])
+def test_drivers_that_go_on_from_the_start(driver):
+    results = run(bead("recursive", driver, start={"s": 0.7}))
+    assert_near(results["hold.s"], 0.7 + driver.get("constant_speed", 0.0) * results["time"], 1e-13)
+    with pytest.raises(SceneError, match=r"\[joint\.hold\].*goes on from the parameter at the start.*start = "):
+        Scene.model_validate(bead("recursive", driver))
+
+
+def test_what_a_driver_does_not_go_with():
+    harmonic = {"harmonic": {"amplitude": 1.2, "frequency": 0.7}}
+    with pytest.raises(SceneError, match="the driver says where the joint starts; drop the start"):
+        Scene.model_validate(bead("recursive", harmonic, start={"s": 0.7}))
+
+    with pytest.raises(SceneError, match='output "effort" is that of a driver, and there is none'):
+        Scene.model_validate(bead("recursive", None))
+
+
+def test_commanded_in_an_fmu(tmp_path):
+    """The parameter follows inputs at once, so that the bodies' positions depend on them; to the bits of a run in process."""
+    model = compile_scene(Scene.model_validate(bead("recursive", {"input": True}, start={"s": 0.3})))
+    assert [v.name for v in model.of_causality("input")] == [f"hold.{x}_command" for x in ("s", "s_rate", "acceleration")]
+    told = {v.name: v for v in model.variables}
+    assert told["hold.s_command"].unit == "m" and told["hold.effort"].unit == "N"
+    here = Instance(model)
+    fmu = FmuInstance(Library(export_fmu(model, tmp_path / "bead.fmu"), tmp_path / "unpacked"))
+    fmu.start()
+
+    for k in range(3):
+        command = {"hold.s_command": 0.3 + 0.2 * k, "hold.s_rate_command": 0.2, "hold.acceleration_command": 0.0}
+        fmu.set(command)
+        here.u[:3] = list(command.values())
+        assert fmu.step(0.1 * k, 0.1) == OK
+        here.step(0.1)
+        assert np.array_equal(fmu.outputs(), here.outputs())
+
+    fmu.free()
+
+
+# shapes that move
+
+
+@formulations
+def test_a_curve_that_moves_within_its_body(formulation):
+    """On a driven body without mass: a bead in a ring that is shaken against its carrier; the drive bears weight and inertia."""
+    scene = {
+        "name": "shaken ring", "gravity": [0, 0, 0], "solver": EXACT | {"formulation": formulation},
+        "body": {
+            "ring": {"mass": 0.0, "marker": {"r": {"curve": {"circle": {"radius": 0.5}}}}},
+            "b": {"mass": 1.3, "inertia": [0.1, 0.1, 0.1], "output": ["position"]},
+        },
+        "joint": {
+            "shake": {"prismatic": {"axis": "x"}, "between": ["ground", "ring"], "output": ["position", "effort"],
+                      "driver": {"harmonic": {"amplitude": 0.1, "frequency": 1.1}}},
+            "move": {"free": {}, "between": ["ground", "b"], "start": {"position": [0, 0.5, 0]}},
+            "hold": {"frame_on_curve": {}, "between": ["ring.r", "b"], "output": ["s", "s_rate"]},
+        },
+    }  # fmt: skip
+    results = run(scene)
+    w, t = 2 * np.pi * 1.1, results["time"]
+    angle, rate = results["hold.s"] / 0.5, results["hold.s_rate"] / 0.5
+    lift = 0.1 * np.sin(w * t)
+    assert_near(results["shake.position"], lift, 1e-14)
+    place = np.column_stack([lift + 0.5 * np.cos(angle), 0.5 * np.sin(angle)])
+    assert_near(columns(results, "b.position", 3)[:, :2], place, 1e-12)
+
+    # m r^2 + I turns in the ring: (m r^2 + I) phi'' = m r x'' sin phi
+    push = -0.1 * w * w * np.sin(w * t)
+    faster = 1.3 * 0.5 * push * np.sin(angle) / (1.3 * 0.25 + 0.1)
+    effort = 1.3 * (push - 0.5 * (np.sin(angle) * faster + np.cos(angle) * rate**2))
+    assert_near(results["shake.effort"], effort, 1e-9)
+    assert np.ptp(angle) > 0.05

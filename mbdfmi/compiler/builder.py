@@ -251,7 +251,11 @@ class Builder:
                 coordinate_from=0,
                 coordinate_to=0,
                 coordinate_turn=-1,
+                coordinate_end_frame=-1,
             )
+
+        if joint in self.end_frames:
+            return self._parameter_row(joint)
 
         spec = self.scene.joint[joint]
         kind = kind_of(spec).motions[k]
@@ -263,6 +267,22 @@ class Builder:
             coordinate_from=self.joint_marker(joint, sides[0], turn),
             coordinate_to=self.joint_marker(joint, sides[1], turn),
             coordinate_turn=self._add_turn(joint, k) if kind == "revolute" else -1,
+            coordinate_end_frame=-1,
+        )
+
+    def _parameter_row(self, joint):
+        """The parameter of a joint's end frame on a curve as a coordinate."""
+        spec = self.scene.joint[joint]
+        first, second = (
+            self.joint_marker(joint, side, turn) for side, turn in enumerate(kind_of(spec).turns(spec))
+        )
+        return dict(
+            coordinate_kind=coordinates.PARAMETER,
+            coordinate_body=0,
+            coordinate_from=first,
+            coordinate_to=second,
+            coordinate_turn=-1,
+            coordinate_end_frame=self.end_frames[joint],
         )
 
     def _add_turn(self, joint, k):

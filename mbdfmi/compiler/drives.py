@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.motion import courses, drives
-from ..vocabulary import ANGLE, GROUND_INPUTS, SLIDE, Coordinate, acceleration_of
+from ..vocabulary import ANGLE, GROUND_INPUTS, SLIDE, Coordinate, acceleration_of, parameter_of
 from .builder import Place
+from .end_frames import parameter_units
 from .variables import dotted
 
 GROUND_PLACE = ("position", "velocity", "acceleration")
@@ -35,7 +36,7 @@ def add_drives(builder):
         if joint.driver is None:
             continue
 
-        for moved, node in zip(driven_coordinates(name, joint), builder.joint_nodes.get(name, [-1])):
+        for moved, node in zip(driven_coordinates(builder, name, joint), builder.joint_nodes.get(name, [-1])):
             drive = JOINT_DRIVES[moved.driver.kind](builder, moved, node)
 
             if node >= 0:
@@ -99,15 +100,17 @@ class Driven(NamedTuple):
         return " of ".join(reversed(self.path))
 
 
-def driven_coordinates(name, joint) -> list[Driven]:
-    """What a joint's driver moves: its one coordinate, or each of six."""
+def driven_coordinates(builder, name, joint) -> list[Driven]:
+    """What a joint's driver moves: its one coordinate, the parameter of its curve, or each of six."""
     if joint.kind == "prescribed":
         return [
             Driven(name, (name, key), driver, SLIDE if k < 3 else ANGLE, (start, 0.0, 0.0))
             for k, (key, driver, start) in enumerate(joint.driven())
         ]
 
-    (coordinate,) = joint.coordinates
+    coordinate = (
+        joint.coordinates[0] if joint.coordinates else parameter_of(parameter_units(builder, joint)[0])
+    )
     start = float(joint.start_position()[0]), float(joint.start_velocity()[0]), 0.0
     return [Driven(name, (name,), joint.driver, coordinate, start)]
 

@@ -7,9 +7,10 @@ from ..kernels import notes, outputs
 from ..kernels.end_frames import curves, surfaces, touching
 from ..kernels.math import tables
 from ..scene import Problem, SceneError
-from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETERS
+from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETER_EFFORTS, PARAMETERS, parameter_of
 from .builder import Place, Source, Told
 from .sides import default_side, side_of, spline_of
+from .start import start_position
 from .variables import dotted
 
 
@@ -35,10 +36,11 @@ def _add_end_frame(builder, name, joint):
     units = parameter_units(builder, joint)
     given = joint.start_s is not None
     start = joint.start_s if given else ()
+    start = [start_position(joint)] if joint.driver else start
     turning = _turning(builder, joint)
     builder.single["s_start"] += [*start, *np.zeros(len(units) + turning - len(start))]
 
-    if given:
+    if given and not joint.driver:
         endings = [""] if len(units) == 1 else [f"[{k + 1}]" for k in range(len(units))]
 
         for k, (value, unit, ending) in enumerate(zip(start, units, endings)):
@@ -54,7 +56,7 @@ def _add_end_frame(builder, name, joint):
         end_frame_from=shapes[0],
         end_frame_to=shapes[1],
         end_frame_z=first,
-        end_frame_given=given,
+        end_frame_given=given or joint.driver is not None,
     )
 
 
@@ -193,6 +195,15 @@ def add_parameter_outputs(builder, name, joint, output):
         builder.add_outputs(
             dotted(name, output) + ending, Source(kind, builder.end_frames[name], k), unit, about, nodes
         )
+
+
+def add_parameter_effort(builder, name, joint, output):
+    """What drives the parameter of a curve along it, or its power."""
+    kind = outputs.DRIVE_EFFORT if output == "effort" else outputs.DRIVEN_JOINT_POWER
+    unit = parameter_of(parameter_units(builder, joint)[0]).effort.unit if output == "effort" else "W"
+    about = f"{PARAMETER_EFFORTS[output].text} of {name}, along its parameter"
+    source = Source(kind, builder.coordinate(name))
+    builder.add_outputs(dotted(name, output), source, unit, about, builder.nodes_of(name))
 
 
 def add_axis_output(builder, name, output):

@@ -116,6 +116,7 @@ def _add_torsion(builder, name, force, ends):
         coordinate_from=ends[0],
         coordinate_to=ends[1],
         coordinate_turn=turn,
+        coordinate_end_frame=-1,
     )
     spring = spring_of(builder, spec.table, spec.stiffness, spec.rest_value())
     damper = damper_of(builder, spec.damping)

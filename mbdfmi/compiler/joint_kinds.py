@@ -167,7 +167,7 @@ JOINT_KINDS = {
 
 def _axes_held(joint):
     """Rows that keep axes to those of an end frame: two where a spin is free."""
-    return [(rows.FRAME, k, 0) for k in range(2 if joint.spin_is_free else 3)]
+    return [(rows.FRAME, k, 0) for k in range(2 if joint.options.spin_is_free else 3)]
 
 
 JOINT_KINDS |= {

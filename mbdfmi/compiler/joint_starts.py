@@ -24,7 +24,7 @@ def add_start(builder, name, joint):
         return
 
     q, v = joint.start_position(), joint.start_velocity()
-    driven = driven_coordinates(name, joint) if joint.driver else []
+    driven = driven_coordinates(builder, name, joint) if joint.driver else []
     q = [position_at_start(of.driver, of.start[0]) for of in driven] or led_too(joint, q)
     v = led_too(joint, v)
     led = kind_of(joint).led(joint)

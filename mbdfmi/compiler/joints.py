@@ -8,6 +8,7 @@ from ..vocabulary import (
     CONTACT_OUTPUTS,
     EFFORT_OUTPUTS,
     END_FRAME_AXES,
+    PARAMETER_EFFORTS,
     PARAMETERS,
     POSE_EFFORTS,
     POSE_OUTPUTS,
@@ -17,7 +18,7 @@ from ..vocabulary import (
 from .bodies import MARKER_KINDS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
-from .end_frames import add_axis_output, add_contact_output, add_parameter_outputs
+from .end_frames import add_axis_output, add_contact_output, add_parameter_effort, add_parameter_outputs
 from .joint_kinds import kind_of, scalars, units_along
 from .joint_starts import add_start, tell_start
 from .variables import dotted, subscripts
@@ -185,6 +186,8 @@ def _add_outputs(builder, name, joint, parts, fed_by):
     for output in joint.output:
         if output in PARAMETERS:
             add_parameter_outputs(builder, name, joint, output)
+        elif name in builder.end_frames and output in PARAMETER_EFFORTS:
+            add_parameter_effort(builder, name, joint, output)
         elif output in END_FRAME_AXES:
             add_axis_output(builder, name, output)
         elif output in CONTACT_OUTPUTS:

@@ -368,6 +368,12 @@ class LinearDriver(Driver):
     input: AllOrSome(*COMMANDS) | None = None
 
 
+class ParameterDriver(LinearDriver):
+    """One of constant_speed; hold; harmonic; harmonics; polynomial; ramp; table : parameter s over time; speed_table; input. What
+    stands there as m is in the unit of the curve's parameter; "position" is s, "speed" its rate.
+    """
+
+
 class AngularDriver(Driver):
     """One of constant_speed : rad/s, or _deg, _rpm; hold; harmonic; harmonics; polynomial; ramp; table : angle over time;
     speed_table; input, with "angle" or "position".

@@ -6,10 +6,13 @@ An end frame has the axes i = tangent, j = binormal, k = normal, j = k x i, whic
 from typing import ClassVar
 
 import numpy as np
+from pydantic import model_validator
 
-from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETERS, REACTIONS
+from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETER_EFFORTS, PARAMETERS, REACTIONS
+from .efforts import ParameterDriver
+from .errors import show
 from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, unit_vector
-from .joint_base import Constraint
+from .joint_base import Passive
 
 
 class CurveStart(Part):
@@ -24,7 +27,7 @@ class PairStart(Part):
     s: Array((2,), what="2 numbers [s1, s2]") | None = None
 
 
-class EndFrame(Constraint):
+class EndFrame(Passive):
     """A joint with parameters s of a curve or surface.
 
     shapes : what the first and the second marker must have, "curve", "surface" or None.
@@ -32,6 +35,7 @@ class EndFrame(Constraint):
         normal x tangent, normal; of two curves those of the first), reactions.
     """
 
+    input: ClassVar[tuple] = ()
     shapes: ClassVar[tuple]
 
     @property
@@ -39,8 +43,50 @@ class EndFrame(Constraint):
         """Parameters (1,) or (2,) near the start, or None: the nearest."""
         return None if self.start.s is None else np.atleast_1d(self.start.s)
 
+    def start_position(self):
+        """[], or [s] where a driver begins; 0 where it needs none."""
+        return np.atleast_1d(self.start.s or 0.0) if self.driver else np.empty(0)
 
-class PointOnCurve(EndFrame):
+    def start_velocity(self):
+        """[], or [0] of a parameter that is driven."""
+        return np.zeros(1) if self.driver else np.empty(0)
+
+
+class OnCurve(EndFrame):
+    """A joint whose end frame on a curve may be driven along it.
+
+    driver : of the parameter s.
+    output : beside what the others have, what drives it along s: its power (driver_power) is effort times s_rate, so that where s is
+        the length along the curve it is the force along the tangent on the second marker.
+    """
+
+    driver: ParameterDriver | None = None
+
+    @model_validator(mode="after")
+    def _check_driver(self):
+        told = next((output for output in self.output if output in PARAMETER_EFFORTS), None)
+        if told and not self.driver:
+            raise ValueError(f"output {show(told)} is that of a driver, and there is none")
+        if not self.driver or self.driver.kind == "input":
+            return self
+
+        if self.driver.kind not in ("constant_speed", "hold", "speed_table"):
+            if self.start.s is not None:
+                raise ValueError("the driver says where the joint starts; drop the start")
+        elif self.start.s is None:
+            raise ValueError(
+                f"the driver goes on from the parameter at the start ({self.driver.kind}): write start = {{ s = ... }}"
+            )
+        return self
+
+
+class Undriven(EndFrame):
+    """A joint with parameters that follow."""
+
+    driver: ClassVar[None] = None
+
+
+class PointOnCurve(OnCurve):
     """The second marker's origin stays on the first one's curve."""
 
     kind: ClassVar[str] = "point_on_curve"
@@ -48,10 +94,10 @@ class PointOnCurve(EndFrame):
 
     point_on_curve: Empty
     start: CurveStart = CurveStart()
-    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *PARAMETER_EFFORTS, *END_FRAME_AXES, *REACTIONS) = []
 
 
-class CurveOnCurve(EndFrame):
+class CurveOnCurve(Undriven):
     """The markers' curves, in parallel planes, touch: cam and follower."""
 
     kind: ClassVar[str] = "curve_on_curve"
@@ -62,7 +108,7 @@ class CurveOnCurve(EndFrame):
     output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
-class PointOnSurface(EndFrame):
+class PointOnSurface(Undriven):
     """The second marker's origin stays on the first one's surface."""
 
     kind: ClassVar[str] = "point_on_surface"
@@ -78,6 +124,11 @@ class FrameOptions(Part):
 
     spin: OneOf("held", "free") = "held"
 
+    @property
+    def spin_is_free(self):
+        """Whether it may."""
+        return self.spin == "free"
+
 
 class FrameOnCurveOptions(FrameOptions):
     """side : a direction of the first marker that the curve is never parallel to; y of the second marker stays as near to it as can
@@ -87,16 +138,7 @@ class FrameOnCurveOptions(FrameOptions):
     side: Axis | None = None
 
 
-class Framed(EndFrame):
-    """A joint that holds axes, too, to those of the end frame."""
-
-    @property
-    def spin_is_free(self):
-        """Whether a spin about the axis along the curve, or normal to the surface, is left free."""
-        return self.options.spin == "free"
-
-
-class FrameOnCurve(Framed):
+class FrameOnCurve(OnCurve):
     """The second marker moves along the first one's curve as its moving frame does, like a car on a track.
 
     Its origin stays on the curve, its x along the tangent, its y as near to the direction `side` as it can be: up, for a road; across
@@ -109,7 +151,7 @@ class FrameOnCurve(Framed):
 
     frame_on_curve: FrameOnCurveOptions
     start: CurveStart = CurveStart()
-    output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
+    output: SomeOf(*PARAMETERS, *PARAMETER_EFFORTS, *END_FRAME_AXES, *REACTIONS) = []
 
     @property
     def side(self):
@@ -117,7 +159,7 @@ class FrameOnCurve(Framed):
         return None if self.options.side is None else unit_vector(self.options.side)
 
 
-class FrameOnSurface(Framed):
+class FrameOnSurface(Undriven):
     """The second marker moves on the first one's surface as its frame does.
 
     Its origin stays on the surface, its z along the normal r1 x r2 (derivatives by the parameters), and its x along r1, unless it may
@@ -142,7 +184,7 @@ class SurfaceStart(Part):
 FORCES = [name for name in CONTACT_OUTPUTS if name != "friction_force"]
 
 
-class SurfaceOnSurface(EndFrame):
+class SurfaceOnSurface(Undriven):
     """The markers' surfaces touch, and slide on each other without friction.
 
     The second one is a sphere, an ellipsoid, a disk (by its edge) or a torus (by its outer half, as a wheel by its rim), the first
@@ -159,7 +201,7 @@ class SurfaceOnSurface(EndFrame):
     output: SomeOf(*PARAMETERS, *FORCES, *REACTIONS) = []
 
 
-class RollingSurface(EndFrame):
+class RollingSurface(Undriven):
     """As surface_on_surface, but they roll on each other without slip: a wheel on a road, a ball in a bowl, a rattleback."""
 
     kind: ClassVar[str] = "rolling_surface"

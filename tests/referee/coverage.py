@@ -12,6 +12,7 @@ from collections import Counter
 
 from mbdfmi import Scene
 from mbdfmi.scene import fields
+from mbdfmi.scene.efforts import ParameterDriver
 from mbdfmi.scene.fields import Part
 from mbdfmi.scene.prescribed import PoseDriver
 
@@ -146,7 +147,10 @@ def build(field):
     if not classes:
         return leaf
 
-    # each of its drivers is one of a joint of one coordinate, whose keys are counted there
+    # these drivers are those of joints of one coordinate, whose keys are counted there
+    if classes[0] is ParameterDriver:
+        return leaf
+
     if classes[0] is PoseDriver:
         return Parts(tuple(PoseDriver.model_fields))
 

@@ -152,6 +152,7 @@ def assemble(m, d):
     spread_couplings(m, d)
     kinematics.kinematics(m, d)
     touching.start(m, d)
+    rows.start_parameters(m, d)
     keep_x(m, d)
     d.assembling[0] = 1.0
     failure = start_positions.find_positions(m, d)

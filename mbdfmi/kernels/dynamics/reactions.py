@@ -69,9 +69,16 @@ def loop_wrench(m, d, c):
 
         if m.coordinate_from[k] == a and m.coordinate_to[k] == b:
             A = markers.axes(m, d, a)
-            along = al.scale(d.coordinate_effort[k], (A[0][2], A[1][2], A[2][2]))
+            slides = m.coordinate_kind[k] == coordinates.SLIDE
+            z = (A[0][2], A[1][2], A[2][2])
 
-            if m.coordinate_kind[k] == coordinates.SLIDE:
+            if m.coordinate_kind[k] == coordinates.PARAMETER:
+                slides = True
+                z = coordinates.along(m, d, k)
+
+            along = al.scale(d.coordinate_effort[k], z)
+
+            if slides:
                 force = al.add(force, along)
             else:
                 moment = al.add(moment, along)

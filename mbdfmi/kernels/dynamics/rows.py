@@ -188,6 +188,17 @@ def start_turns(m, d):
 
 
 @inlined
+def start_parameters(m, d):
+    """Parameters of end frames where their drives want them."""
+    for row in range(m.n_row):
+        c = m.term_coordinate[m.row_term[row]] if m.row_drive[row] >= 0 else -1
+
+        if c >= 0 and m.coordinate_kind[c] == coordinates.PARAMETER:
+            position, _, _ = drives.target(m, d, m.row_drive[row])
+            d.z[m.end_frame_z[m.coordinate_end_frame[c]]] = position
+
+
+@inlined
 def effort_on(m, row, i):
     """A coupling's effort in the joint of body i, for a unit multiplier; 0 for other rows."""
     effort = 0.0
@@ -300,6 +311,8 @@ def write_frame(m, d, c, row, A_b, w_b, p):
 @apart(void(MODEL, DATA))
 def write_rows(m, d):
     """All rows' wrenches and residuals; needs kinematics."""
+    touching.find_ways(m, d)
+
     for c in range(m.n_constraint):
         a = m.constraint_from[c]
         b = m.constraint_to[c]

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
-from ..motion import markers
+from ..motion import coordinates, markers
 from ..signatures import DATA, MODEL, void
 from . import curves, on_surfaces, surfaces
 from .on_surfaces import seen_motion, solve2
@@ -172,6 +172,26 @@ def rates(m, d, k):
     turned = al.dot(pair.n, al.cross(w, pair.t_b))
     rate1, rate2 = solve2(J[0], J[1], J[2], J[3], al.dot(pair.tangent, seen), -turned)
     return rate1, rate2, 0.0, 0.0
+
+
+@inlined
+def find_ways(m, d):
+    """How parameters that are coordinates follow from the motion of their points (docs/theory.md 10.7). Needs kinematics.
+
+    A contact that is aimed at its parameter keeps it, whatever moves.
+    """
+    for c in range(m.n_coordinate):
+        if m.coordinate_kind[c] == coordinates.PARAMETER:
+            k = m.coordinate_end_frame[c]
+            at = point_on_curve(m, d, k)
+            seen, _ = seen_motion(m, d, k, at.r)
+            v = al.matT_vec(at.A, seen)
+            square = al.dot(at.t, at.t)
+            speed = al.dot(at.t, v) / square
+            moves = 0.0 if d.aim[k] > 0.0 else 1.0
+            al.set_vec3(d.parameter_along, k, al.scale(moves / square, al.mat_vec(at.A, at.t)))
+            bend = al.dot(at.tt, v) - 2.0 * al.dot(at.t, at.tt) * speed
+            d.parameter_bend[k] = moves * bend * speed / square
 
 
 @apart(void(MODEL, DATA))

@@ -7,6 +7,9 @@ set to the angle wherever positions are projected.
 
 A twist is an angle between two markers that nothing keeps parallel, as that of a torsion spring: of b about z, once the swing that
 brings a's z axis to b's is taken away (docs/theory.md 16.12). Only forces act along it: it has no acceleration here.
+
+The parameter of a point on a curve is a coordinate, too, where that is driven: it stands in the state, and its rate is the velocity of the
+point along a vector that end_frames/touching.py leaves, `parameter_along` (docs/theory.md 10.7).
 """
 
 import math
@@ -21,6 +24,7 @@ IN_TREE = 0
 ANGLE = 1
 SLIDE = 2
 TWIST = 3
+PARAMETER = 4
 
 
 @inlined
@@ -40,6 +44,9 @@ def value(m, d, k):
     """Coordinate k (rad or m)."""
     if m.coordinate_kind[k] == IN_TREE:
         return d.q[m.body_q[m.coordinate_body[k]]]
+
+    if m.coordinate_kind[k] == PARAMETER:
+        return d.z[m.end_frame_z[m.coordinate_end_frame[k]]]
 
     a = m.coordinate_from[k]
     b = m.coordinate_to[k]
@@ -65,6 +72,9 @@ def rate(m, d, k):
     if m.coordinate_kind[k] == SLIDE:
         return markers.relative_velocity(m, d, a, b)[2]
 
+    if m.coordinate_kind[k] == PARAMETER:
+        return al.dot(in_first(m, d, k), markers.relative_velocity(m, d, a, b))
+
     if m.coordinate_kind[k] == TWIST:
         return al.dot(
             along(m, d, k), al.sub(markers.angular_velocity(m, d, b), markers.angular_velocity(m, d, a))
@@ -84,6 +94,10 @@ def acceleration(m, d, k):
 
     if m.coordinate_kind[k] == SLIDE:
         return markers.relative_acceleration(m, d, a, b)[2]
+
+    if m.coordinate_kind[k] == PARAMETER:
+        bend = d.parameter_bend[m.coordinate_end_frame[k]]
+        return al.dot(in_first(m, d, k), markers.relative_acceleration(m, d, a, b)) + bend
 
     return markers.relative_angular_acceleration(m, d, a, b)[2]
 
@@ -110,12 +124,16 @@ def bias(m, d, k):
         al.cross(w_b, al.cross(w_b, markers.arm(m, d, b))),
         al.cross(w_a, al.cross(w_a, al.sub(r, al.vec3(d.r, body_a)))),
     )
-    return al.dot(z, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
+    bend = d.parameter_bend[m.coordinate_end_frame[k]] if m.coordinate_kind[k] == PARAMETER else 0.0
+    return al.dot(z, al.sub(swing, al.scale(2.0, al.cross(w_a, seen)))) + bend
 
 
 @inlined
 def along(m, d, k):
     """The axis of a coordinate that is not in the tree (inertial axes): its rate is the relative (angular) velocity times that."""
+    if m.coordinate_kind[k] == PARAMETER:
+        return al.vec3(d.parameter_along, m.coordinate_end_frame[k])
+
     z = al.column(markers.axes(m, d, m.coordinate_from[k]), 2)
 
     if m.coordinate_kind[k] == TWIST:
@@ -126,6 +144,12 @@ def along(m, d, k):
 
 
 @inlined
+def in_first(m, d, k):
+    """`along` in the axes of the first marker."""
+    return al.matT_vec(markers.axes(m, d, m.coordinate_from[k]), along(m, d, k))
+
+
+@inlined
 def wrenches(m, d, k, effort):
     """Wrenches about the bodies' origins of an effort along coordinate k not in the tree.
 
@@ -133,7 +157,7 @@ def wrenches(m, d, k, effort):
     """
     u = al.scale(effort, along(m, d, k))
 
-    if m.coordinate_kind[k] != SLIDE:
+    if m.coordinate_kind[k] != SLIDE and m.coordinate_kind[k] != PARAMETER:
         return al.neg(u), al.ZERO3, u, al.ZERO3
 
     b = m.coordinate_to[k]
