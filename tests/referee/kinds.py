@@ -357,6 +357,7 @@ def contacts():
     hill = [[[x, y, 0.2 * np.cos(2 * x) * np.cos(y) + 0.1 * x] for y in grid] for x in grid]
     surfaces = {
         "plane": {"plane": {}}, "sphere": {"sphere": {"radius": 0.7}},
+        "ellipsoid": {"ellipsoid": {"semi_axes": [0.8, 0.6, 0.7]}},
         "cylinder": {"cylinder": {"radius": 0.5}},
         "torus": {"torus": {"radius": 0.8, "tube": 0.3}},
         "prism": {"prism": {"profile": {"spline": {"points": flat}}}},

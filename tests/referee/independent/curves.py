@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 CURVES = ("line", "circle", "parabola", "cycloid", "spline", "table")
-SURFACES = ("plane", "sphere", "cylinder", "torus", "prism", "table")
+SURFACES = ("plane", "sphere", "ellipsoid", "cylinder", "torus", "prism", "table")
 
 
 class Curve:
@@ -83,6 +83,9 @@ class Surface:
         self.kind = next(kind for kind in SURFACES if kind in table)
         self.options = table[self.kind]
 
+        # an ellipsoid is a unit sphere, stretched
+        self.stretch = np.array(self.options.get("semi_axes", [1.0, 1.0, 1.0]), float)
+
         if self.kind == "prism":
             self.profile = Curve(self.options["profile"])
 
@@ -107,7 +110,7 @@ class Surface:
         radius, height = self._profile(s2)
         out, side = np.array([np.cos(s1), np.sin(s1), 0]), np.array([-np.sin(s1), np.cos(s1), 0])
         z = np.array([0.0, 0, 1])
-        return np.array([
+        return self.stretch * np.array([
             radius[0] * out + height[0] * z, radius[0] * side, radius[1] * out + height[1] * z,
             -radius[0] * out, radius[1] * side, radius[2] * out + height[2] * z,
         ])  # fmt: skip
@@ -130,16 +133,16 @@ class Surface:
             if self.kind != "cylinder":
                 found[3] = -radius[1] * out - height[1] * np.array([0, 0, 1.0])
 
-        return found
+        return self.stretch * found
 
     def _profile(self, s2):
         """(radius, height) of what turns about z, each with two derivatives by s2."""
-        R = self.options["radius"]
+        R = self.options.get("radius", 1.0)
 
         if self.kind == "cylinder":
             return (R, 0.0, 0.0), (s2, 1.0, 0.0)
 
-        t, middle = (R, 0.0) if self.kind == "sphere" else (self.options["tube"], R)
+        t, middle = (R, 0.0) if self.kind in ("sphere", "ellipsoid") else (self.options["tube"], R)
         c, s = t * np.cos(s2), t * np.sin(s2)
         return (middle + c, -s, -c), (s, c, -s)
 
@@ -170,6 +173,7 @@ class Surface:
         turn = (-np.pi, np.pi)
         ends = {
             "plane": ((-reach, reach),) * 2, "sphere": (turn, (-np.pi / 2, np.pi / 2)),
+            "ellipsoid": (turn, (-np.pi / 2, np.pi / 2)),
             "cylinder": (turn, (-reach, reach)),
             "torus": (turn, turn),
         }.get(self.kind)  # fmt: skip
