@@ -123,7 +123,8 @@ class Scene(_scene.SceneData):
         return structure(self._whole())
 
     def export(self, path=None, platforms=None, **options) -> Path:
-        """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`.
+        """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`. Icon and page
+        show the scene, where it can be assembled.
 
         path : by default `<scene's name>.fmu` in the working folder.
         platforms : e.g. ["x86_64-linux", "x86_64-windows"]; by default this machine's.
@@ -133,7 +134,22 @@ class Scene(_scene.SceneData):
 
         model = self.compile()
         path = Path(path) if path else Path(f"{model.identifier}.fmu")
-        return export_fmu(model, path, platforms, scene_file=self._file, **options)
+        pictures = self._pictures(model, options.get("progress"))
+        return export_fmu(model, path, platforms, scene_file=self._file, pictures=pictures, **options)
+
+    @staticmethod
+    def _pictures(model, progress):
+        """Pictures of the scene for its FMU, or None, and why is told."""
+        from .run.instance import SimulationError
+        from .view.show import still
+
+        try:
+            return still(model)
+        except (SimulationError, ValueError) as error:
+            if progress:
+                progress(f"without a picture of the scene: {error}")
+
+            return None
 
 
 def load(path: str | os.PathLike, **options) -> Scene:

@@ -7,6 +7,7 @@ import re
 import shutil
 import struct
 import subprocess
+import zipfile
 import zlib
 from pathlib import Path
 
@@ -270,3 +271,25 @@ def test_the_glb_is_valid(tmp_path, name):
     )
     found = subprocess.run(["node", "-e", code, str(path)], cwd=ROOT / "viewer", capture_output=True, text=True, check=True)
     assert json.loads(found.stdout)["messages"] == []
+
+
+def test_an_fmu_carries_the_pictures_of_its_scene(tmp_path):
+    load("four_bar").export(tmp_path / "a.fmu")
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        for name, size in (("model.png", (125, 200)), ("documentation/scene.png", (250, 400))):
+            file = tmp_path / "picture.png"
+            file.write_bytes(archive.read(name))
+            image = pixels(file)
+            assert image.shape[:2] == size
+            hue = np.array(red_green_blue(PALETTE[1]))
+            colours = image.reshape(-1, 3) / 255
+            assert ((colours @ hue / np.linalg.norm(colours, axis=1) / np.linalg.norm(hue)) > 0.99).sum() > 100
+        assert b'src="scene.png"' in archive.read("documentation/index.html")
+
+
+def test_an_fmu_of_a_scene_that_cannot_be_drawn_says_so(tmp_path):
+    said = []
+    scene = load("pendulum").model_copy(deep=True)
+    next(iter(scene.body.values())).shape = {"mesh": {"file": str(tmp_path / "none.stl")}}
+    scene.export(tmp_path / "a.fmu", progress=said.append)
+    assert any("without a picture of the scene" in text and "none.stl" in text for text in said)

@@ -40,14 +40,15 @@ _DISCARDED = {
 }
 
 
-def documentation(model, platforms: Iterable[str], fmi: int) -> bytes:
-    """The page, UTF-8, of a model whose FMU is made for the given platforms and version of FMI."""
+def documentation(model, platforms: Iterable[str], fmi: int, picture: str | None = None) -> bytes:
+    """The page, UTF-8, of a model whose FMU is made for the given platforms and version of FMI; picture: a file beside it."""
     page = E.html(
         E.head(E.meta(charset="utf-8"), E.title(model.name), E.style(_STYLE)),
         E.body(
             E.h1(model.name),
             *([E.p(model.title, {"class": "title"})] if model.title != model.name else []),
             *([E.p(model.description)] if model.description else []),
+            *([E.img({"src": picture, "alt": f"{model.name} at its start"})] if picture else []),
             *_what_it_is(model, platforms, fmi),
             *_contents(model.scene),
             *(section for causality in _HEADINGS for section in _variables(model, causality)),

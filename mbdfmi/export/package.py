@@ -18,6 +18,10 @@ DESCRIPTIONS = {2: description, 3: description3}
 """Who writes modelDescription.xml, by versions of FMI."""
 
 
+PICTURE = "scene.png"
+"""The picture beside the page of documentation."""
+
+
 def export_fmu(
     model,
     path: str | os.PathLike,
@@ -25,6 +29,7 @@ def export_fmu(
     *,
     fmi: int = 2,
     scene_file: str | os.PathLike | None = None,
+    pictures: tuple[bytes, bytes] | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Write a model as an FMU for co-simulation and return its path.
@@ -32,6 +37,7 @@ def export_fmu(
     platforms   keys of mbdfmi.native.platforms.PLATFORMS; default: the machine's own
     fmi         version of FMI: 2 (2.0) or 3 (3.0)
     scene_file  the file that the model was read from, to go with the FMU in resources/
+    pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general icon
     progress    is told in a few words when something takes long
 
     The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same model gives the
@@ -51,10 +57,13 @@ def export_fmu(
 
     files = {
         "modelDescription.xml": DESCRIPTIONS[fmi](model),
-        "model.png": (Path(__file__).parent / "model.png").read_bytes(),
-        "documentation/index.html": documentation(model, chosen, fmi),
+        "model.png": pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes(),
+        "documentation/index.html": documentation(model, chosen, fmi, PICTURE if pictures else None),
         f"resources/{NAME}": resource(model, MESSAGES),
     }
+    if pictures:
+        files[f"documentation/{PICTURE}"] = pictures[0]
+
     if scene_file:
         files[f"resources/{Path(scene_file).name}"] = Path(scene_file).read_bytes()
 

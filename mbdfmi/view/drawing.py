@@ -23,10 +23,10 @@ MOST = 2_000_000
 LAYERS = 6
 
 
-def draw(picture, row=0, width=640, height=400):
-    """(height, width, 3) bytes: a picture at a row of its motion."""
+def draw(picture, row=0, width=640, height=400, grid=True):
+    """(height, width, 3) bytes: a picture at a row of its motion, with or without the grid."""
     camera = _Camera(picture, width * FINE, height * FINE)
-    points, normals, colours, opacities = _triangles(picture, row)
+    points, normals, colours, opacities = _triangles(picture, row, grid)
     fragments = camera.fragments(points)
     light = _light(camera.facing(points, normals))
     fine = _blend(fragments, colours[:, None] * light, opacities, width * FINE * height * FINE)
@@ -148,7 +148,7 @@ def _light(normals):
     return (0.58 + 0.12 * normals[..., 1:2] + 0.4 * np.maximum(normals @ sun, 0.0)[..., None]).clip(0, 1.05)
 
 
-def _triangles(picture, row):
+def _triangles(picture, row, grid):
     """Points and normals (n, 3, 3) with y up, colours (n, 3), opacities (n,) of all there is."""
     moves = picture.moves
     still = Motion(
@@ -164,7 +164,7 @@ def _triangles(picture, row):
         points, normals = surface.points @ picture.root.T, surface.normals @ picture.root.T
         found.append((points[surface.faces], normals[surface.faces], colour, opacity))
 
-    found += _scenery(picture)
+    found += _scenery(picture, grid)
     count = [len(points) for points, *_ in found]
     return (
         np.concatenate([points for points, *_ in found]),
@@ -174,13 +174,13 @@ def _triangles(picture, row):
     )
 
 
-def _scenery(picture):
+def _scenery(picture, grid):
     """The grid and the water, in pieces, so that those behind the eye are left out alone."""
     view, (centre, radius) = picture.scene.view, picture.reach
     middle = (picture.root @ centre)[[0, 2]]
     found = []
 
-    if view.ground == "grid":
+    if grid and view.ground == "grid":
         cell = grid_cell(radius)
         n = int(np.ceil(2.2 * radius / cell))
         k = cell * np.arange(-n, n + 1)

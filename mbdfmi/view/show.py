@@ -18,6 +18,9 @@ from .picture import picture
 
 ENDINGS = (".html", ".htm", ".glb", ".png")
 
+# pixels of the picture in an FMU
+LARGE = 400, 250
+
 NO_BROWSER = "no chromium or Chrome was found (MBDFMI_BROWSER names one): the picture is drawn without names"
 
 
@@ -132,6 +135,17 @@ def picture_at(run: Run, at: float | None = None, tell=lambda text: None) -> byt
         tell(NO_BROWSER)
 
     return drawing.png(drawing.draw(shown, int(np.abs(times - at).argmin()), 1280, 800))
+
+
+def still(model: Model) -> tuple[bytes, bytes]:
+    """Pictures (PNG) of a model at its start, for a page and for an icon, the same on all machines.
+
+    Raises SimulationError where it cannot be assembled, ValueError where a mesh cannot be read.
+    """
+    shown = picture(model.scene, at_start(model).states)
+    large = drawing.draw(shown, 0, *LARGE, grid=False)
+    small = large.reshape(LARGE[1] // 2, 2, LARGE[0] // 2, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
+    return drawing.png(large), drawing.png(small)
 
 
 def framed(text, height=480):
