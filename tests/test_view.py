@@ -293,3 +293,13 @@ def test_an_fmu_of_a_scene_that_cannot_be_drawn_says_so(tmp_path):
     next(iter(scene.body.values())).shape = {"mesh": {"file": str(tmp_path / "none.stl")}}
     scene.export(tmp_path / "a.fmu", progress=said.append)
     assert any("without a picture of the scene" in text and "none.stl" in text for text in said)
+
+
+def test_the_gallery_has_every_scene():
+    gallery = ROOT / "docs" / "gallery"
+    index = (gallery / "README.md").read_text(encoding="utf-8")
+    for path in MODELS.rglob("*.toml"):
+        assert pixels(gallery / f"{path.stem}.png").shape == (300, 480, 3)
+        _, info = parts((gallery / f"{path.stem}.html").read_text(encoding="utf-8"))
+        assert info["title"] == mbdfmi.load(path).title
+        assert f"({path.stem}.png)" in index

@@ -58,8 +58,9 @@ def unseen_ground(picture):
         if piece.layer == "bodies"
         for corner in piece.surface.points[:: max(1, len(piece.surface.points) // 40)]
     ]
-    lowest = min(heights, default=0.0) - BELOW * picture.reach[1]
-    return float(min(0.0, lowest))
+    lowest, radius = min(heights, default=0.0), picture.reach[1]
+    # what rolls or stands on the ground may reach a little into it
+    return 0.0 if lowest > -1.5 * BELOW * radius else float(lowest - BELOW * radius)
 
 
 def grid_cell(radius):
