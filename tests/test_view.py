@@ -17,9 +17,12 @@ from scipy.spatial.transform import Rotation
 
 import mbdfmi
 from mbdfmi.cli import main
+from mbdfmi.scene import curves as scene_curves
+from mbdfmi.scene import surfaces
 from mbdfmi.scene.looks import red_green_blue
-from mbdfmi.view import forms, glb
+from mbdfmi.view import curves, forms, glb
 from mbdfmi.view.contents import PALETTE
+from mbdfmi.view.curves import SURFACES
 from mbdfmi.view.drawing import draw
 from mbdfmi.view.picture import picture
 from mbdfmi.view.show import at_start
@@ -303,3 +306,46 @@ def test_the_gallery_has_every_scene():
         _, info = parts((gallery / f"{path.stem}.html").read_text(encoding="utf-8"))
         assert info["title"] == mbdfmi.load(path).title
         assert f"({path.stem}.png)" in index
+
+
+def test_every_kind_of_curve_and_surface_is_drawn_where_it_is():
+    def kinds(module):
+        return {cls.kind for cls in vars(module).values() if isinstance(cls, type) and isinstance(getattr(cls, "kind", None), str)}
+
+    given = {
+        "plane": ({}, lambda x, y, z: z),
+        "sphere": ({"radius": 2.0}, lambda x, y, z: x**2 + y**2 + z**2 - 4),
+        "ellipsoid": ({"semi_axes": [1.0, 2.0, 3.0]}, lambda x, y, z: x**2 + y**2 / 4 + z**2 / 9 - 1),
+        "cylinder": ({"radius": 0.5}, lambda x, y, z: x**2 + y**2 - 0.25),
+        "torus": ({"radius": 2.0, "tube": 0.5}, lambda x, y, z: (np.hypot(x, y) - 2) ** 2 + z**2 - 0.25),
+        "disk": ({"radius": 1.0}, lambda x, y, z: np.maximum(np.hypot(x, y), 1) - 1 + np.maximum(abs(z), 0.006) - 0.006),
+        "prism": ({"profile": {"parabola": {"coefficient": 2.0}}}, lambda x, y, z: y - 2 * x**2),
+        "table": (
+            {"s1": [0, 1, 2, 3], "s2": [0, 1, 2, 3], "points": [[[i, j, i * j] for j in range(4)] for i in range(4)]},
+            lambda x, y, z: z - x * y,
+        ),
+    }
+    assert set(given) == kinds(surfaces) == set(SURFACES)
+    for kind, (options, equation) in given.items():
+        (shape,) = holder(surface={kind: options})
+        drawn = curves.surface(shape.surface, 3.0)
+        np.testing.assert_allclose(equation(*drawn.points.T), 0, atol=1e-9)
+
+    given = {
+        "line": ({}, lambda x, y, z: abs(y) + abs(z)),
+        "circle": ({"radius": 2.0}, lambda x, y, z: x**2 + y**2 - 4),
+        "parabola": ({"coefficient": 0.5}, lambda x, y, z: y - 0.5 * x**2),
+        "cycloid": ({"radius": 1.0}, lambda x, y, z: np.abs(x) - np.arccos(1 - y) - np.sin(np.arccos(1 - y))),
+        "spline": ({"points": [[0, 0, 0], [1, 1, 1], [2, 2, 2]]}, lambda x, y, z: abs(y - x) + abs(z - x)),
+        "table": ({"s": [0, 1, 3], "points": [[0, 0, 0], [1, 0, 1], [3, 0, 3]]}, lambda x, y, z: abs(z - x) + abs(y)),
+    }
+    assert set(given) == kinds(scene_curves)
+    for kind, (options, equation) in given.items():
+        (shape,) = holder(curve={kind: options})
+        np.testing.assert_allclose(equation(*curves.curve_points(shape.curve, 3.0).T), 0, atol=1e-7)
+
+
+def holder(**marker):
+    """The markers of a scene that has this one."""
+    body = {"mass": 1.0, "inertia": [1, 1, 1], "marker": {"m": marker}}
+    return mbdfmi.Scene(name="m", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}}).body["a"].marker.values()

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.frames import axes_with_z
+from ..scene.end_frames import END_FRAMES
 from ..scene.fields import unit_vector
 from ..scene.looks import red_green_blue
 from ..scene.meshes import load_mesh
@@ -17,16 +18,7 @@ PALETTE = ("#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b
 GROUND, TRACK, SPRING = "#8c949c", "#5b6b7a", "#7a5195"
 
 # joints that leave nothing to see at the ground
-LOOSE = (
-    "free",
-    "translation",
-    "planar",
-    "point_on_curve",
-    "point_on_surface",
-    "curve_on_curve",
-    "rolling_disk",
-    "rolling_sphere",
-)
+LOOSE = ("free", "translation", "planar", "rolling_disk", "rolling_sphere", *(cls.kind for cls in END_FRAMES))
 
 # how much of a guess is seen
 GUESS = 0.45

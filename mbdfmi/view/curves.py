@@ -33,31 +33,53 @@ def curve_points(curve, reach):
 
 def surface(shape, reach):
     """The `forms.Triangles` of a surface; of one without an end as far as `reach` (m)."""
-    a, s = np.linspace(-np.pi, np.pi, ACROSS + 1), np.linspace(-reach, reach, ACROSS + 1)
+    return SURFACES[shape.kind](shape, reach)
 
-    if shape.kind == "sphere":
-        return forms.moved(forms.sphere(), np.zeros(3), np.eye(3), 3 * [shape.radius])
-    if shape.kind == "torus":
-        u, v = np.meshgrid(a, a, indexing="ij")
-        out = shape.radius + shape.tube * np.cos(v)
-        return forms.grid(np.stack([out * np.cos(u), out * np.sin(u), shape.tube * np.sin(v)], axis=2))
-    if shape.kind == "cylinder":
-        edge = np.column_stack([shape.radius * np.cos(a), shape.radius * np.sin(a), 0 * a])
-        return _extruded(edge, s)
-    if shape.kind == "prism":
-        return _extruded(curve_points(shape.profile, reach), s)
-    if shape.kind == "table":
-        s1, s2, points = np.array(shape.s1), np.array(shape.s2), np.asarray(shape.points)
-        fine = np.linspace(s1[0], s1[-1], ACROSS), np.linspace(s2[0], s2[-1], ACROSS)
-        return forms.grid(
-            np.stack([RectBivariateSpline(s1, s2, points[:, :, k])(*fine) for k in range(3)], axis=2)
-        )
 
-    u, v = np.meshgrid(s[:: len(s) - 1], s[:: len(s) - 1], indexing="ij")
+def _ball(semi_axes):
+    return forms.moved(forms.sphere(), np.zeros(3), np.eye(3), semi_axes)
+
+
+def _torus(shape, reach):
+    a = np.linspace(-np.pi, np.pi, ACROSS + 1)
+    u, v = np.meshgrid(a, a, indexing="ij")
+    out = shape.radius + shape.tube * np.cos(v)
+    return forms.grid(np.stack([out * np.cos(u), out * np.sin(u), shape.tube * np.sin(v)], axis=2))
+
+
+def _cylinder(shape, reach):
+    a = np.linspace(-np.pi, np.pi, ACROSS + 1)
+    return _extruded(shape.radius * np.column_stack([np.cos(a), np.sin(a), 0 * a]), reach)
+
+
+def _table(shape, reach):
+    s1, s2, points = np.array(shape.s1), np.array(shape.s2), np.asarray(shape.points)
+    fine = np.linspace(s1[0], s1[-1], ACROSS), np.linspace(s2[0], s2[-1], ACROSS)
+    return forms.grid(
+        np.stack([RectBivariateSpline(s1, s2, points[:, :, k])(*fine) for k in range(3)], axis=2)
+    )
+
+
+def _extruded(edge, reach):
+    """The surface that an edge (n, 3) makes moved along z, `reach` (m) both ways."""
+    return forms.grid(edge[:, None] + np.array([0.0, 0.0, 1.0]) * np.array([-reach, reach])[None, :, None])
+
+
+def _plane(shape, reach):
+    u, v = np.meshgrid([-reach, reach], [-reach, reach], indexing="ij")
     return forms.grid(np.stack([u, v, 0 * u], axis=2))
 
 
-def _extruded(edge, z):
-    """The surface that an edge (n, 3) makes moved along z."""
-    ends = z[[0, -1]]
-    return forms.grid(edge[:, None] + np.array([0.0, 0.0, 1.0]) * ends[None, :, None])
+SURFACES = {
+    "plane": _plane,
+    "sphere": lambda shape, reach: _ball(3 * [shape.radius]),
+    "ellipsoid": lambda shape, reach: _ball(shape.semi_axes),
+    "disk": lambda shape, reach: forms.moved(
+        forms.cylinder(), np.zeros(3), np.eye(3), [shape.radius, shape.radius, 0.01 * shape.radius]
+    ),
+    "cylinder": _cylinder,
+    "torus": _torus,
+    "prism": lambda shape, reach: _extruded(curve_points(shape.profile, reach), reach),
+    "table": _table,
+}
+"""kind -> (surface, reach) -> its triangles."""
