@@ -92,6 +92,14 @@ class Scene(_scene.SceneData):
 
         return show(at_start(self.compile()), path)
 
+    def recorder(self):
+        """Keeps a run of the scene's FMU by fmpy, so that it can be looked at; see
+        `mbdfmi.view.recorder.Recorder`.
+        """
+        from .view.recorder import Recorder
+
+        return Recorder(self.compile())
+
     def _repr_html_(self):
         """In a notebook: the scene as it is assembled."""
         from .view.show import at_start

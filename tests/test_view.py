@@ -349,3 +349,21 @@ def holder(**marker):
     """The markers of a scene that has this one."""
     body = {"mass": 1.0, "inertia": [1, 1, 1], "marker": {"m": marker}}
     return mbdfmi.Scene(name="m", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}}).body["a"].marker.values()
+
+
+def test_a_run_of_an_fmu_by_fmpy_can_be_drawn(tmp_path):
+    import fmpy
+
+    scene = load("four_bar")
+    scene.export(tmp_path / "a.fmu")
+    recorder = scene.recorder()
+    fmpy.simulate_fmu(str(tmp_path / "a.fmu"), stop_time=1.0, output_interval=0.05, step_finished=recorder)
+    results = recorder.results()
+    there = scene.simulate(1.0, 0.05)
+    np.testing.assert_allclose(results["time"], there["time"][1:], atol=1e-12)
+    for body in scene.body:
+        np.testing.assert_allclose(results.poses(body)[0], there.poses(body)[0][1:], atol=1e-9)
+    np.testing.assert_allclose(results["crank_pivot.angle"], there["crank_pivot.angle"][1:], atol=1e-9)
+    assert results.view(tmp_path / "a.html").stat().st_size > 100_000
+    with pytest.raises(ValueError, match="another scene"):
+        load("pendulum").recorder().keep(recorder._kept[0])
