@@ -1,17 +1,20 @@
-/* The functions of FMI 2.0 for co-simulation: types, statuses and the log of the standard, over an
+/* The functions of FMI 2.0: types, statuses and the log of the standard, over an
    instance that knows nothing of it. A call that is refused (fmi2Error) changes nothing: the instance
    can be used on, though the standard does not promise it. */
 #include <string.h>
 
+#include "derivatives.h"
+#include "exchange.h"
 #include "fmi2Functions.h"
 #include "instance.h"
 #include "snapshot.h"
 #include "variables.h"
 
-#define ANY_MODE (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | STEP_FAILED | TERMINATED)
-#define READABLE (INITIALIZATION | STEP_COMPLETE | STEP_FAILED | TERMINATED)
-#define WRITABLE (INSTANTIATED | INITIALIZATION | STEP_COMPLETE)
-#define STEPPED  (STEP_COMPLETE | STEP_FAILED | TERMINATED)
+#define ANY_MODE   (INSTANTIATED | INITIALIZATION | STEP_MODES | EXCHANGE_MODES | TERMINATED)
+#define READABLE   (INITIALIZATION | STEP_MODES | EXCHANGE_MODES | TERMINATED)
+#define WRITABLE   (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | EXCHANGE_MODES)
+#define STEPPED    (STEP_MODES | TERMINATED)
+#define INTEGRATED (INITIALIZATION | EXCHANGE_MODES | TERMINATED)
 
 static fmi2Status status_of(Status status)
 {
@@ -83,8 +86,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 
     Instance *c = instance_create(instanceName, fmuGUID, fmuResourceLocation, &log);
 
-    if (c && fmuType != fmi2CoSimulation) {
-        log_tell(&c->log, STATUS_ERROR, "this FMU is for co-simulation only");
+    if (c && fmuType != fmi2CoSimulation && !instance_exchange(c)) {
         instance_free(c);
         return NULL;
     }
@@ -120,7 +122,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component)
 
 fmi2Status fmi2Terminate(fmi2Component component)
 {
-    ENTER(component, STEP_COMPLETE | STEP_FAILED);
+    ENTER(component, STEP_MODES | EXCHANGE_MODES);
     return status_of(instance_terminate(c));
 }
 
@@ -150,7 +152,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
                                        size_t nvr, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    ENTER(component, WRITABLE);
+    ENTER(component, INSTANTIATED | INITIALIZATION | STEP_COMPLETE);
+    if (c->exchanges) REFUSE("derivatives of inputs are for co-simulation");
     return status_of(variables_set_derivatives(c, vr, nvr, order, value));
 }
 
@@ -171,13 +174,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     ENTER(component, READABLE);
-    (void)vUnknown_ref;
-    (void)nUnknown;
-    (void)vKnown_ref;
-    (void)nKnown;
-    (void)dvKnown;
-    (void)dvUnknown;
-    REFUSE("this FMU gives none (providesDirectionalDerivative = false)");
+    return status_of(
+        derivatives_along(c, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
 /* All variables are Real: any reference to another type is refused. */
@@ -275,6 +273,91 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte seria
 {
     ENTER(component, ANY_MODE);
     return status_of(snapshot_deserialise(c, serializedState, size, FMUstate));
+}
+
+/* ---- model exchange ---- */
+
+fmi2Status fmi2EnterEventMode(fmi2Component component)
+{
+    ENTER(component, CONTINUOUS_TIME);
+    c->core->mode = EVENT;
+    return fmi2OK;
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo *info)
+{
+    ENTER(component, EVENT);
+    if (!info) REFUSE("NULL instead of a place for the result");
+
+    Event event = {0};
+    Status result = exchange_update(c, &event);
+
+    memset(info, 0, sizeof *info);
+    info->valuesOfContinuousStatesChanged = event.states_changed;
+    info->nextEventTimeDefined = event.next_time_defined;
+    info->nextEventTime = event.next_time_defined ? event.next_time : 0;
+    return status_of(result);
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component)
+{
+    ENTER(component, EVENT);
+    c->core->mode = CONTINUOUS_TIME;
+    return fmi2OK;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component component,
+                                       fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode,
+                                       fmi2Boolean *terminateSimulation)
+{
+    ENTER(component, CONTINUOUS_TIME);
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!(enterEventMode && terminateSimulation)) REFUSE("NULL instead of a place for the result");
+
+    bool wanted;
+    Status result = exchange_complete_step(c, &wanted);
+
+    *enterEventMode = wanted;
+    *terminateSimulation = fmi2False;
+    return status_of(result);
+}
+
+fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time)
+{
+    ENTER(component, EXCHANGE_MODES);
+    return status_of(exchange_set_time(c, time));
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real x[], size_t nx)
+{
+    ENTER(component, CONTINUOUS_TIME);
+    return status_of(exchange_set_states(c, x, nx));
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real derivatives[], size_t nx)
+{
+    ENTER(component, INTEGRATED);
+    return status_of(exchange_get_rates(c, derivatives, nx));
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component component, fmi2Real eventIndicators[], size_t ni)
+{
+    ENTER(component, INTEGRATED);
+    return status_of(exchange_get_indicators(c, eventIndicators, ni));
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real x[], size_t nx)
+{
+    ENTER(component, INTEGRATED);
+    return status_of(exchange_get_states(c, x, nx));
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component, fmi2Real x_nominal[],
+                                             size_t nx)
+{
+    ENTER(component, ANY_MODE);
+    return status_of(exchange_get_nominals(c, x_nominal, nx));
 }
 
 /* ---- steps ---- */

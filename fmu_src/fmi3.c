@@ -1,15 +1,18 @@
-/* The functions of FMI 3.0 for co-simulation: types, statuses and the log of the standard, over an
+/* The functions of FMI 3.0: types, statuses and the log of the standard, over an
    instance that knows nothing of it. A call that is refused (fmi3Error) changes nothing: the instance
    can be used on, though the standard does not promise it. */
+#include "derivatives.h"
+#include "exchange.h"
 #include "fmi3Functions.h"
 #include "instance.h"
 #include "snapshot.h"
 #include "variables.h"
 
-#define ANY_MODE    (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | STEP_FAILED | TERMINATED)
-#define WRITABLE    (INSTANTIATED | INITIALIZATION | STEP_COMPLETE)
-#define INITIALIZED (STEP_COMPLETE | STEP_FAILED)
-#define STEPPED     (STEP_COMPLETE | STEP_FAILED | TERMINATED)
+#define ANY_MODE    (INSTANTIATED | INITIALIZATION | INITIALIZED | TERMINATED)
+#define WRITABLE    (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | EXCHANGE_MODES)
+#define INITIALIZED (STEP_MODES | EXCHANGE_MODES)
+#define STEPPED     (STEP_MODES | TERMINATED)
+#define INTEGRATED  (INITIALIZATION | EXCHANGE_MODES | TERMINATED)
 
 static fmi3Status status_of(Status status)
 {
@@ -91,7 +94,9 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                               instanceEnvironment, logMessage);
 
     (void)visible;
-    return c ? refuse(c, "this FMU is for co-simulation only") : NULL;
+    if (!c || instance_exchange(c)) return c;
+    instance_free(c);
+    return NULL;
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(
@@ -244,6 +249,16 @@ fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueRe
     return no_variable(c, valueReferences, nValueReferences, "Binary");
 }
 
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t nUnknowns, const fmi3ValueReference knowns[],
+                                        size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+                                        fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    ENTER(INITIALIZATION | INITIALIZED | TERMINATED);
+    return status_of(derivatives_of_arrays(c, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed,
+                                           sensitivity, nSensitivity));
+}
+
 /* ---- snapshots ---- */
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
@@ -284,6 +299,123 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte seriali
     return status_of(snapshot_deserialise(c, serializedState, size, FMUState));
 }
 
+/* ---- model exchange ---- */
+
+/* In co-simulation there is no event mode. */
+fmi3Status fmi3EnterEventMode(fmi3Instance instance)
+{
+    ENTER(CONTINUOUS_TIME);
+    c->core->mode = EVENT;
+    return fmi3OK;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation,
+                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged,
+                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
+{
+    ENTER(EVENT);
+    if (!(discreteStatesNeedUpdate && terminateSimulation && nominalsOfContinuousStatesChanged
+          && valuesOfContinuousStatesChanged && nextEventTimeDefined && nextEventTime))
+        REFUSE("NULL instead of a place for a result");
+
+    Event event = {0};
+    Status result = exchange_update(c, &event);
+
+    *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
+    *nominalsOfContinuousStatesChanged = fmi3False;
+    *valuesOfContinuousStatesChanged = event.states_changed;
+    *nextEventTimeDefined = event.next_time_defined;
+    *nextEventTime = event.next_time_defined ? event.next_time : 0;
+    return status_of(result);
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
+{
+    ENTER(EVENT);
+    c->core->mode = CONTINUOUS_TIME;
+    return fmi3OK;
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
+                                       fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode,
+                                       fmi3Boolean *terminateSimulation)
+{
+    ENTER(CONTINUOUS_TIME);
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!(enterEventMode && terminateSimulation)) REFUSE("NULL instead of a place for a result");
+
+    bool wanted;
+    Status result = exchange_complete_step(c, &wanted);
+
+    *enterEventMode = wanted;
+    *terminateSimulation = fmi3False;
+    return status_of(result);
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
+{
+    ENTER(EXCHANGE_MODES);
+    return status_of(exchange_set_time(c, time));
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    ENTER(CONTINUOUS_TIME);
+    return status_of(exchange_set_states(c, continuousStates, nContinuousStates));
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t nContinuousStates)
+{
+    ENTER(INTEGRATED);
+    return status_of(exchange_get_rates(c, derivatives, nContinuousStates));
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[],
+                                  size_t nEventIndicators)
+{
+    ENTER(INTEGRATED);
+    return status_of(exchange_get_indicators(c, eventIndicators, nEventIndicators));
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    ENTER(INTEGRATED);
+    return status_of(exchange_get_states(c, continuousStates, nContinuousStates));
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t nContinuousStates)
+{
+    ENTER(INTEGRATED);
+    return status_of(exchange_get_nominals(c, nominals, nContinuousStates));
+}
+
+static fmi3Status tell_number(Instance *c, int64_t number, size_t *place)
+{
+    if (!c->exchanges) REFUSE("is for model exchange");
+    if (!place) REFUSE("NULL instead of a place for the result");
+    *place = (size_t)number;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
+{
+    ENTER(ANY_MODE);
+    return tell_number(c, c->n_indicators, nEventIndicators);
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
+{
+    ENTER(ANY_MODE);
+    return tell_number(c, c->n_states, nContinuousStates);
+}
+
 /* ---- steps ---- */
 
 /* A step that is discarded leaves the instance as it was before. */
@@ -320,21 +452,12 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
     return fmi3OK;
 }
 
-fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                        size_t nUnknowns, const fmi3ValueReference knowns[],
-                                        size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                        fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    ENTER(INITIALIZATION | STEPPED);
-    REFUSE("this FMU gives none (providesDirectionalDerivatives = false)");
-}
-
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
                                     size_t nUnknowns, const fmi3ValueReference knowns[],
                                     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
                                     fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    ENTER(INITIALIZATION | STEPPED);
+    ENTER(INITIALIZATION | INITIALIZED | TERMINATED);
     REFUSE("this FMU gives none (providesAdjointDerivatives = false)");
 }
 
@@ -371,84 +494,12 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance)
     NEVER();
 }
 
-fmi3Status fmi3EnterEventMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
 fmi3Status fmi3EnterStepMode(fmi3Instance instance)
 {
     NEVER();
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
-                                    fmi3Boolean *terminateSimulation,
-                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
-                                    fmi3Boolean *valuesOfContinuousStatesChanged,
-                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
-{
-    NEVER();
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
-                                       fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode,
-                                       fmi3Boolean *terminateSimulation)
-{
-    NEVER();
-}
-
-fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    NEVER();
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
-                                             size_t nContinuousStates)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[],
-                                  size_t nEventIndicators)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
-                                             size_t nContinuousStates)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
-{
-    NEVER();
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
 {
     NEVER();
 }

@@ -93,7 +93,7 @@ static void tell_notices(Instance *c, Status severity, const char *doing)
 /* ---- kernels ---- */
 
 /* Brings the state up to date with the parameters and, before the simulation, the start values. */
-static Status prepare(Instance *c)
+Status instance_prepare(Instance *c)
 {
     void *excinfo;
     int64_t status = CODE_OK;
@@ -119,21 +119,115 @@ static Status prepare(Instance *c)
     return STATUS_OK;
 }
 
+double *instance_x(const Instance *c)
+{
+    return in_state(c, AT_x);
+}
+
+void instance_changed(Instance *c)
+{
+    c->current = c->is_led = c->is_rated = c->is_indicated = false;
+}
+
+static size_t size_of_x(const Instance *c)
+{
+    return (size_t)c->ints[COUNT_n_x] * sizeof(double);
+}
+
+/* A solver outside may try again from nearer by. */
+static Status severity_of(const Instance *c)
+{
+    return c->exchanges ? STATUS_DISCARD : STATUS_ERROR;
+}
+
+Status instance_lead(Instance *c)
+{
+    Status result = instance_prepare(c);
+
+    if (result != STATUS_OK || c->is_led) return result;
+
+    void *excinfo;
+    int64_t status = CODE_OK;
+
+    memcpy(c->given, instance_x(c), size_of_x(c));
+    int32_t broken = mbdfmi_lead(&status, &excinfo, M_OF(c), D_OF(c));
+    memcpy(c->led, instance_x(c), size_of_x(c));
+    memcpy(instance_x(c), c->given, size_of_x(c));
+
+    result = report(c, severity_of(c), "states", broken, status);
+    c->is_led = result == STATUS_OK;
+    return result;
+}
+
+/* Between these two a kernel sees the state on the constraints, where a solver outside gave another. */
+static Status begin_evaluation(Instance *c)
+{
+    if (!c->exchanges) return instance_prepare(c);
+
+    Status result = instance_lead(c);
+    if (result != STATUS_OK) return result;
+    memcpy(c->given, instance_x(c), size_of_x(c));
+    memcpy(instance_x(c), c->led, size_of_x(c));
+    return STATUS_OK;
+}
+
+static void end_evaluation(Instance *c)
+{
+    if (c->exchanges) memcpy(instance_x(c), c->given, size_of_x(c));
+}
+
+Status instance_rates(Instance *c)
+{
+    if (c->is_rated) return STATUS_OK;
+
+    Status result = begin_evaluation(c);
+    if (result != STATUS_OK) return result;
+
+    void *excinfo;
+    int64_t status = CODE_OK;
+    int32_t broken = mbdfmi_rates(&status, &excinfo, M_OF(c), D_OF(c));
+
+    end_evaluation(c);
+    memcpy(c->rates, c->work + c->ints[AT_x_rate], size_of_x(c));
+    result = report(c, severity_of(c), "rates", broken, status);
+    c->is_rated = result == STATUS_OK;
+    return result;
+}
+
+Status instance_indicators(Instance *c)
+{
+    if (c->is_indicated) return STATUS_OK;
+
+    Status result = begin_evaluation(c);
+    if (result != STATUS_OK) return result;
+
+    void *excinfo;
+    int64_t status = CODE_OK;
+    int32_t broken = mbdfmi_indicators(&status, &excinfo, M_OF(c), D_OF(c), c->indicators);
+
+    end_evaluation(c);
+    result = report(c, severity_of(c), "event indicators", broken, status);
+    c->is_indicated = result == STATUS_OK;
+    return result;
+}
+
 Status instance_outputs(Instance *c)
 {
     if (c->current) return STATUS_OK;
 
-    Status result = prepare(c);
+    Status result = begin_evaluation(c);
     if (result != STATUS_OK) return result;
 
     void *excinfo;
     int64_t status = CODE_OK;
     int32_t broken = mbdfmi_outputs(&status, &excinfo, M_OF(c), D_OF(c), c->y);
 
+    end_evaluation(c);
+
     /* a value that is not finite is refused where it is asked for */
     if (status % PLACE == CODE_OUTPUT_NOT_FINITE) status = CODE_OK;
 
-    result = report(c, STATUS_ERROR, "outputs", broken, status);
+    result = report(c, severity_of(c), "outputs", broken, status);
     c->current = result == STATUS_OK;
     return result;
 }
@@ -156,7 +250,7 @@ static Status advance(Instance *c, double t, double H)
 
     tell_notices(c, STATUS_OK, "step");
     Status result = report(c, STATUS_DISCARD, "step", broken, status);
-    c->current = false;
+    instance_changed(c);
     if (result == STATUS_OK) {
         core->time = end;
         core->step = H;
@@ -185,13 +279,31 @@ static bool allocate(Instance *c)
     c->core = calloc(1, c->core_size);
     c->work = calloc((size_t)r->n.work + 1, sizeof(double));
     c->y = calloc((size_t)r->n.y + 1, sizeof(double));
-    if (!c->core || !c->work || !c->y) return false;
+    size_t n_x = (size_t)r->ints[COUNT_n_x] + 1,
+           n_indicators = 2 * (size_t)r->ints[COUNT_n_stop] + 1;
+    c->given = calloc(n_x, sizeof(double));
+    c->led = calloc(n_x, sizeof(double));
+    c->rates = calloc(n_x, sizeof(double));
+    c->indicators = calloc(n_indicators, sizeof(double));
+    if (!c->core || !c->work || !c->y || !c->given || !c->led || !c->rates || !c->indicators)
+        return false;
 
     c->ints = r->ints;
     c->reals = (double *)(c->core + 1);
     c->state = c->reals + r->n.reals;
     c->u = c->state + r->n.state;
     return true;
+}
+
+/* Finds the states and the indicators of events among the variables. */
+static void find_states(Instance *c)
+{
+    const Resource *r = &c->resource;
+
+    for (int64_t i = 0; i < r->n.variables; i++) {
+        if (r->variables[i].kind == VARIABLE_STATE && c->n_states++ == 0) c->first_state = i;
+        if (r->variables[i].kind == VARIABLE_INDICATOR) c->n_indicators++;
+    }
 }
 
 /* Sets all memory to the start. */
@@ -203,9 +315,9 @@ static void restart(Instance *c)
     memset(c->work, 0, (size_t)r->n.work * sizeof(double));
     memcpy(c->reals, r->reals, (size_t)r->n.reals * sizeof(double));
     memcpy(c->u, r->u_start, (size_t)r->n.u * sizeof(double));
-    c->core->stop_time = INFINITY;
+    c->core->stop_time = c->core->event_time = INFINITY;
     c->core->mode = INSTANTIATED;
-    c->current = false;
+    instance_changed(c);
 }
 
 Instance *instance_create(const char *name, const char *guid, const char *location, const Log *log)
@@ -233,12 +345,23 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
     else if (!allocate(c))
         log_tell(&c->log, STATUS_ERROR, "out of memory");
     else {
+        find_states(c);
         restart(c);
         return c;
     }
 
     instance_free(c);
     return NULL;
+}
+
+bool instance_exchange(Instance *c)
+{
+    c->exchanges = c->n_states > 0;
+    if (!c->exchanges)
+        log_tell(&c->log, STATUS_ERROR,
+                 "this FMU is for co-simulation only: it has no states, too many, or inputs that "
+                 "command motions");
+    return c->exchanges;
 }
 
 void instance_free(Instance *c)
@@ -248,6 +371,10 @@ void instance_free(Instance *c)
     free(c->before);
     free(c->work);
     free(c->y);
+    free(c->given);
+    free(c->led);
+    free(c->rates);
+    free(c->indicators);
     free(c->log.name);
     free(c);
 }
@@ -257,11 +384,13 @@ void instance_free(Instance *c)
 static const char *mode_name(int64_t mode)
 {
     switch (mode) {
-        case INSTANTIATED:   return "instantiated";
-        case INITIALIZATION: return "initialization mode";
-        case STEP_COMPLETE:  return "step complete";
-        case STEP_FAILED:    return "step failed";
-        default:             return "terminated";
+        case INSTANTIATED:    return "instantiated";
+        case INITIALIZATION:  return "initialization mode";
+        case STEP_COMPLETE:   return "step complete";
+        case STEP_FAILED:     return "step failed";
+        case EVENT:           return "event mode";
+        case CONTINUOUS_TIME: return "continuous-time mode";
+        default:              return "terminated";
     }
 }
 
@@ -307,7 +436,7 @@ Status instance_setup(Instance *c, const double *tolerance, double start_time,
     c->core->start_time = c->core->time = start_time;
     c->core->stop_time = stop_time ? *stop_time : INFINITY;
     c->core->started = 0;
-    c->current = false;
+    instance_changed(c);
 
     /* the same digits from every master */
     if (tolerance)
@@ -319,10 +448,10 @@ Status instance_setup(Instance *c, const double *tolerance, double start_time,
 Status instance_start(Instance *c)
 {
     const Resource *r = &c->resource;
-    Status result = prepare(c);
+    Status result = instance_prepare(c);
 
     if (result != STATUS_OK) return result;
-    c->core->mode = STEP_COMPLETE;
+    c->core->mode = c->exchanges ? EVENT : STEP_COMPLETE;
 
     for (int64_t i = 0; i < r->n.notices; i++)
         log_tell(&c->log, STATUS_WARNING, "%s", r->notices[i]);
@@ -348,7 +477,7 @@ Status instance_step(Instance *c, double t, double H)
         return instance_refuse(c, "the step ends at t = %.9g s, after the stop time %.9g s", t + H,
                                c->core->stop_time);
 
-    Status result = prepare(c);
+    Status result = instance_prepare(c);
     return result == STATUS_OK ? advance(c, t, H) : result;
 }
 
@@ -356,7 +485,7 @@ void instance_restore(Instance *c, const void *block)
 {
     memcpy(c->core, block, c->core_size);
     c->work[c->ints[AT_lu_known]] = 0;
-    c->current = false;
+    instance_changed(c);
 }
 
 Status instance_try_step(Instance *c, double t, double H)

@@ -16,14 +16,20 @@ typedef enum {
     INITIALIZATION = 2,
     STEP_COMPLETE = 4,
     STEP_FAILED = 8,
-    TERMINATED = 16
+    TERMINATED = 16,
+    EVENT = 32,
+    CONTINUOUS_TIME = 64
 } Mode;
+
+#define EXCHANGE_MODES (EVENT | CONTINUOUS_TIME)
+#define STEP_MODES     (STEP_COMPLETE | STEP_FAILED)
 
 /* What a snapshot holds: this, and behind it in the same block of memory reals, state, u. */
 typedef struct {
     double start_time, stop_time; /* s; stop_time is infinite when the master gave none */
     double time;                  /* s, the master's: its last point plus its last step */
     double step;                  /* s, the last step taken; 0 before the first */
+    double event_time;            /* s, of model exchange: the next kink of what moves by time */
     int64_t mode;                 /* a Mode */
     int64_t prepared;             /* 1: the state knows the present parameters */
     int64_t started;              /* 1: the state follows from the present start values */
@@ -43,12 +49,22 @@ typedef struct {
     double *work, *y;
     bool current; /* y follows from the present reals, state and u */
 
+    /* model exchange: x is what the solver outside gave; led is the nearest that keeps to the
+       constraints, and all else is of that */
+    bool exchanges;
+    int64_t first_state, n_states, n_indicators; /* of the variables */
+    double *given, *led, *rates, *indicators;
+    bool is_led, is_rated, is_indicated; /* follow from the present reals, state and u */
+
     Core *before; /* room for a copy of the block, once instance_try_step is called */
 } Instance;
 
 /* NULL, with the reason in the log, when the resource or the GUID is not good. `log` is copied, its
    name apart. */
 Instance *instance_create(const char *name, const char *guid, const char *location, const Log *log);
+
+/* The instance for model exchange; false, with the reason in the log, when the model is not. */
+bool instance_exchange(Instance *c);
 
 void instance_free(Instance *c);
 
@@ -81,6 +97,20 @@ Status instance_terminate(Instance *c);
 
 /* Back to the start: as after instance_create, the log's settings apart. */
 Status instance_reset(Instance *c);
+
+/* Begins a use of the state: parameters and start values are taken up. */
+Status instance_prepare(Instance *c);
+
+/* x = q | v | z, in the state */
+double *instance_x(const Instance *c);
+
+/* What follows from reals, state and u no longer does. */
+void instance_changed(Instance *c);
+
+/* Bring led, rates, indicators up to date. */
+Status instance_lead(Instance *c);
+Status instance_rates(Instance *c);
+Status instance_indicators(Instance *c);
 
 /* Brings y, and the state before it, up to date with parameters, start values and inputs. */
 Status instance_outputs(Instance *c);

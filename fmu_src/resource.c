@@ -234,7 +234,11 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
         [VARIABLE_OUTPUT] = r->n.y,
         [VARIABLE_FIXED] = r->n.reals,
         [VARIABLE_TUNABLE] = r->n.reals,
+        [VARIABLE_STATE] = r->ints[COUNT_n_x],
+        [VARIABLE_RATE] = r->ints[COUNT_n_x],
+        [VARIABLE_INDICATOR] = 2 * r->ints[COUNT_n_stop],
     };
+    int64_t states = 0, indicators = 0;
 
     for (int64_t i = 0; i < r->n.variables; i++) {
         const Variable *v = &r->variables[i];
@@ -246,7 +250,13 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
             return fail(why, why_size, "its variable '%s' lies outside its buffer", r->names[i]);
         if (v->length < 0 || v->length > r->n.variables - i)
             return fail(why, why_size, "its array '%s' lies outside the variables", r->names[i]);
+        if (v->kind == VARIABLE_STATE && states > 0 && r->variables[i - 1].kind != VARIABLE_STATE)
+            return fail(why, why_size, "its variable '%s' lies outside the states", r->names[i]);
+        states += v->kind == VARIABLE_STATE;
+        indicators += v->kind == VARIABLE_INDICATOR;
     }
+    if (indicators > room[VARIABLE_INDICATOR])
+        return fail(why, why_size, "it has more indicators of events than it should");
     return true;
 }
 

@@ -7,7 +7,7 @@
 #include "crc32.h"
 #include "kernels.h"
 
-#define VERSION 1
+#define VERSION 2
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 
@@ -39,6 +39,8 @@ static const char *fault_of(const Instance *c, const Snapshot *s)
     if (memcmp(s->guid, r->guid, GUID_SIZE) != 0) return "it belongs to another FMU";
     if (s->n_reals != r->n.reals || s->n_state != r->n.state || s->n_u != r->n.u)
         return "its sizes are not those of this FMU";
+    if (s->core.mode & (c->exchanges ? STEP_MODES : EXCHANGE_MODES))
+        return c->exchanges ? "it is one of co-simulation" : "it is one of model exchange";
     return NULL;
 }
 
@@ -140,8 +142,9 @@ static bool is_possible(const Instance *c, const Core *core)
     int64_t mode = core->mode;
 
     if (mode != INSTANTIATED && mode != INITIALIZATION && mode != STEP_COMPLETE
-        && mode != STEP_FAILED && mode != TERMINATED)
+        && mode != STEP_FAILED && mode != TERMINATED && mode != EVENT && mode != CONTINUOUS_TIME)
         return false;
+    if (isnan(core->event_time)) return false;
     if ((core->prepared | core->started | 1) != 1) return false;
     if (mode != INSTANTIATED && mode != INITIALIZATION && !core->started) return false;
     if (!(isfinite(core->start_time) && isfinite(core->time) && core->stop_time >= core->start_time

@@ -8,15 +8,38 @@ static int64_t kind_of(const Instance *c, uint32_t vr)
     return c->resource.variables[vr].kind;
 }
 
-/* Where the value of a variable is. */
-static double *place_of(const Instance *c, uint32_t vr)
+/* Whether it follows from others. */
+static bool is_calculated(const Instance *c, uint32_t vr)
+{
+    int64_t kind = kind_of(c, vr);
+
+    return kind == VARIABLE_OUTPUT || kind == VARIABLE_STATE || kind == VARIABLE_RATE
+           || kind == VARIABLE_INDICATOR;
+}
+
+/* Brings the value of a variable up to date. */
+static Status find(Instance *c, uint32_t vr)
+{
+    switch (kind_of(c, vr)) {
+        case VARIABLE_OUTPUT:    return instance_outputs(c);
+        case VARIABLE_STATE:     return instance_prepare(c);
+        case VARIABLE_RATE:      return instance_rates(c);
+        case VARIABLE_INDICATOR: return instance_indicators(c);
+        default:                 return STATUS_OK;
+    }
+}
+
+double *variables_place(const Instance *c, uint32_t vr)
 {
     int64_t index = c->resource.variables[vr].index;
 
     switch (kind_of(c, vr)) {
-        case VARIABLE_INPUT:  return c->u + index;
-        case VARIABLE_OUTPUT: return c->y + index;
-        default:              return c->reals + index;
+        case VARIABLE_INPUT:     return c->u + index;
+        case VARIABLE_OUTPUT:    return c->y + index;
+        case VARIABLE_STATE:     return instance_x(c) + index;
+        case VARIABLE_RATE:      return c->rates + index;
+        case VARIABLE_INDICATOR: return c->indicators + index;
+        default:                 return c->reals + index;
     }
 }
 
@@ -35,18 +58,17 @@ static Status get(Instance *c, uint32_t vr, double *value)
 {
     const char *name = c->resource.names[vr];
 
-    if (kind_of(c, vr) == VARIABLE_OUTPUT) {
-        if (c->core->mode == INSTANTIATED)
-            return instance_refuse(
-                c,
-                "'%s' (value reference %u) is an output and has no value before the "
-                "initialization",
-                name, vr);
-        Status result = instance_outputs(c);
-        if (result != STATUS_OK) return result;
-    }
+    if (is_calculated(c, vr) && c->core->mode == INSTANTIATED)
+        return instance_refuse(
+            c,
+            "'%s' (value reference %u) is calculated and has no value before the "
+            "initialization",
+            name, vr);
 
-    *value = *place_of(c, vr);
+    Status result = find(c, vr);
+    if (result != STATUS_OK) return result;
+
+    *value = *variables_place(c, vr);
     if (isfinite(*value)) return STATUS_OK;
     return instance_refuse(c, "'%s' (value reference %u) is %g", name, vr, *value);
 }
@@ -63,15 +85,18 @@ Status variables_get(Instance *c, const uint32_t vr[], size_t n, double value[])
 static Status check_set(Instance *c, uint32_t vr, double value)
 {
     const char *name = c->resource.names[vr];
-    bool running = c->core->mode == STEP_COMPLETE;
+    bool running = c->core->mode & (STEP_MODES | EXCHANGE_MODES);
 
-    if (kind_of(c, vr) == VARIABLE_OUTPUT)
-        return instance_refuse(c, "'%s' (value reference %u) is an output and cannot be set", name,
-                               vr);
+    if (is_calculated(c, vr))
+        return instance_refuse(c, "'%s' (value reference %u) is %s and cannot be set", name, vr,
+                               kind_of(c, vr) == VARIABLE_OUTPUT ? "an output" : "calculated");
     if (running && kind_of(c, vr) == VARIABLE_FIXED)
         return instance_refuse(
             c, "the parameter '%s' (value reference %u) is fixed after the initialization", name,
             vr);
+    if (c->core->mode == CONTINUOUS_TIME && kind_of(c, vr) != VARIABLE_INPUT)
+        return instance_refuse(
+            c, "the parameter '%s' (value reference %u) can be set in event mode only", name, vr);
     if (!isfinite(value))
         return instance_refuse(c, "%g is no value for '%s' (value reference %u)", value, name, vr);
     return STATUS_OK;
@@ -79,14 +104,14 @@ static Status check_set(Instance *c, uint32_t vr, double value)
 
 static void set(Instance *c, uint32_t vr, double value)
 {
-    double *place = place_of(c, vr);
+    double *place = variables_place(c, vr);
 
     /* a value that stands already changes nothing, not even what the solver remembers */
     if (memcmp(place, &value, sizeof *place) == 0) return;
 
     *place = value;
-    c->current = false;
-    if (c->core->mode != STEP_COMPLETE) c->core->started = 0;
+    instance_changed(c);
+    if (c->core->mode & (INSTANTIATED | INITIALIZATION)) c->core->started = 0;
     if (kind_of(c, vr) != VARIABLE_INPUT) c->core->prepared = 0;
 }
 
@@ -193,9 +218,9 @@ Status variables_set_derivatives(Instance *c, const uint32_t vr[], size_t n, con
         result = check_derivative(c, vr[i], order[i], value[i]);
     if (result != STATUS_OK) return result;
 
-    for (size_t i = 0; i < n; i++) place_of(c, vr[i])[order[i] * c->resource.n.u] = value[i];
+    for (size_t i = 0; i < n; i++) variables_place(c, vr[i])[order[i] * c->resource.n.u] = value[i];
 
     /* the speed of a commanded motion may be a derivative of its position */
-    c->current = false;
+    instance_changed(c);
     return STATUS_OK;
 }

@@ -4,6 +4,9 @@
 
 #include "instance.h"
 
+/* Where the value of a variable is. */
+double *variables_place(const Instance *c, uint32_t vr);
+
 /* Brings what is asked for up to date. */
 Status variables_get(Instance *c, const uint32_t vr[], size_t n, double value[]);
 

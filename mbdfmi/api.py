@@ -130,12 +130,13 @@ class Scene(_scene.SceneData):
 
         return structure(self._whole())
 
-    def export(self, path=None, platforms=None, **options) -> Path:
+    def export(self, path=None, platforms=None, *, with_scene=True, **options) -> Path:
         """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`. Icon and page
         show the scene, where it can be assembled.
 
         path : by default `<scene's name>.fmu` in the working folder.
         platforms : e.g. ["x86_64-linux", "x86_64-windows"]; by default this machine's.
+        with_scene : whether the file that it was read from goes with the FMU, in resources/.
         fmi : among the options, 2 or 3; by default FMI 2.0.
         """
         from .export import export_fmu
@@ -143,7 +144,8 @@ class Scene(_scene.SceneData):
         model = self.compile()
         path = Path(path) if path else Path(f"{model.identifier}.fmu")
         pictures = self._pictures(model, options.get("progress"))
-        return export_fmu(model, path, platforms, scene_file=self._file, pictures=pictures, **options)
+        file = self._file if with_scene else None
+        return export_fmu(model, path, platforms, scene_file=file, pictures=pictures, **options)
 
     @staticmethod
     def _pictures(model, progress):

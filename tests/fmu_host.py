@@ -145,6 +145,18 @@ class Instance:
         assert status == OK
         return values
 
+    def along(self, unknowns: list[str], knowns: list[str], seed: list[float]) -> tuple[int, list[float]]:
+        """Status and derivatives of unknowns by knowns along a seed."""
+        ends = []
+
+        for names in (unknowns, knowns):
+            keys = [self.library.reference(name) for name in names]
+            ends += [(c_uint * len(keys))(*keys), c_size_t(len(keys))]
+
+        result = (c_double * len(unknowns))()
+        given = (c_double * len(seed))(*seed)
+        return self.call("fmi2GetDirectionalDerivative", *ends, given, result), list(result)
+
     # steps
 
     def step(self, t: float, H: float) -> int:

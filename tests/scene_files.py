@@ -356,6 +356,12 @@ between = ["ground.ring", "follower"]
 LOOKS = """\
 name = "looks"
 
+[experiment]
+start = 1
+stop = 20
+step = 0.1
+tolerance = 1e-5
+
 [view]
 up = "z"
 water = 0.5

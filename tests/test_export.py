@@ -13,10 +13,10 @@ from elftools.elf.elffile import ELFFile
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from mbdfmi import Scene
+from mbdfmi import Scene, load
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.compiler.variables import Variable, array_of, arrays, reference_table
-from mbdfmi.export import aot, description, export_fmu, package
+from mbdfmi.export import aot, description, description3, export_fmu, package
 from mbdfmi.export.link import library
 from mbdfmi.native import library as native
 from mbdfmi.run.simulate import simulate
@@ -94,18 +94,21 @@ def test_fmi_3_is_the_same_fmu(exported, tmp_path):
     assert all(np.array_equal(here[name], columns[name]) for name in columns)
 
     description3 = fmpy.read_model_description(str(three))
-    whole = {array_of(v.name) for v in model.variables}
+    whole = {array_of(v.name) for v in model.listed}
     assert {array_of(v.name) for v in description3.modelVariables} == whole | {"time"}
 
     parameters = {array_of(v.name) for v in model.of_causality("parameter")}
 
-    for unknowns, more in ((description3.outputs, set()), (description3.initialUnknowns, parameters)):
+    for unknowns, led, more in ((description3.outputs, True, set()), (description3.initialUnknowns, False, parameters)):
         for unknown in unknowns:
-            elements = [v for v in model.variables if array_of(v.name) == unknown.variable.name]
-            expected = {array_of(model.variables[k].name) for v in elements for k in v.depends} | more
+            elements = [v for v in model.listed if array_of(v.name) == unknown.variable.name]
+            known = [k for v in elements for k in (v.depends + v.led_by if led else v.depends)]
+            expected = {array_of(model.listed[k].name) for k in known} | more
 
-            # absent means: on all that is known
-            if unknown.dependencies is None:
+            # absent means: on all that is known, as states and their rates at the start do
+            if unknown.dependencies is None and elements[0].causality != "output":
+                assert elements[0].causality in ("state", "rate") and not led
+            elif unknown.dependencies is None:
                 assert expected == parameters | {array_of(v.name) for v in model.of_causality("input")}
             else:
                 assert {array_of(v.name) for v in unknown.dependencies} == expected
@@ -139,7 +142,8 @@ def test_variables_and_structure(exported):
     variables = root.findall("ModelVariables/ScalarVariable")
     outputs = [i for i, v in enumerate(variables, 1) if v.get("causality") == "output"]
 
-    assert [v.get("name") for v in variables] == [v.name for v in model.variables]
+    assert [v.get("name") for v in variables] == [v.name for v in model.listed]
+    exchanged = [k for k, v in enumerate(model.listed, 1) if v.causality in ("state", "rate")]
     assert [v.get("valueReference") for v in variables] == [str(i) for i in range(len(variables))]
     assert all(v.get("description") for v in variables)
 
@@ -148,15 +152,17 @@ def test_variables_and_structure(exported):
 
     for section, more in (("Outputs", []), ("InitialUnknowns", parameters)):
         unknowns = root.findall(f"ModelStructure/{section}/Unknown")
-        assert [int(u.get("index")) for u in unknowns] == outputs
+        now = section == "Outputs"
+        assert [int(u.get("index")) for u in unknowns] == outputs + ([] if now else exchanged)
 
         for u in unknowns:
             given = u.get("dependencies")
-            expected = [*model.variables[int(u.get("index")) - 1].depends, *more]
+            variable = model.listed[int(u.get("index")) - 1]
+            expected = [*variable.depends, *(variable.led_by if now else ()), *more]
 
             # absent means: on all that is known
             if given is None:
-                assert section == "InitialUnknowns" and expected == known
+                assert not now and (expected == known or variable.causality != "output")
             else:
                 assert given == given.strip()
                 assert [int(k) - 1 for k in given.split()] == expected
@@ -182,7 +188,7 @@ def test_initial_unknowns_grow_as_the_outputs_do(with_inputs):
         root = etree.fromstring(description.description(model))
         size[n] = len(etree.tostring(root.find("ModelStructure/InitialUnknowns")))
         outputs = [u.get("dependencies") for u in root.find("ModelStructure/Outputs")]
-        exact = [[str(k + 1) for k in v.depends] for v in model.of_causality("output")]
+        exact = [[str(k + 1) for k in v.depends + v.led_by] for v in model.of_causality("output")]
         assert [given.split() for given in outputs] == exact
 
     assert size[256] < 4.5 * size[64]
@@ -197,6 +203,10 @@ def test_initial_unknowns_of_a_small_model_are_exact():
     given = {int(u.get("index")): u.get("dependencies") for u in root.find("ModelStructure/InitialUnknowns")}
 
     for index, found in given.items():
+        if model.listed[index - 1].causality != "output":
+            assert found is None
+            continue
+
         assert found == (None if "acceleration" in model.variables[index - 1].name else parameters)
 
 
@@ -250,6 +260,38 @@ def test_description_is_reproducible(pendulum, monkeypatch):
     assert root.get("guid") == pendulum.guid
 
 
+def test_a_spring_without_an_input_feeds_nothing():
+    """Of a reaction of the ground; once it depended on an input before the first."""
+    scene = chain(1)
+    scene.ground.output = ["reaction_force"]
+    scene.force["spring"] = {"spring_damper": {"stiffness": 10, "rest_length": 0.5}, "between": ["ground", "b0.end"]}
+    model = scene.compile()
+    assert {v.depends for v in model.of_causality("output")} == {()}
+
+
+@pytest.mark.parametrize("writer", [description.description, description3.description3])
+def test_experiment_and_display_units(writer):
+    """What the scene proposes stands in both versions; angles are shown in degrees."""
+    scene = chain(1, output=["angle", "speed"])
+    default = etree.fromstring(writer(compile_scene(scene))).find("DefaultExperiment").attrib
+    assert dict(default) == {"startTime": "0.0", "stopTime": "10.0", "tolerance": "1e-08", "stepSize": "0.01"}
+
+    scene.experiment = {"start": 1, "stop": 3, "step": 0.5, "tolerance": 1e-5}
+    root = etree.fromstring(writer(compile_scene(scene)))
+    given = root.find("DefaultExperiment").attrib
+    assert dict(given) == {"startTime": "1.0", "stopTime": "3.0", "tolerance": "1e-05", "stepSize": "0.5"}
+
+    variables = root.find("ModelVariables")
+    shown = {}
+
+    for v in variables:
+        real = v if v.find("Real") is None else v.find("Real")
+        shown[v.get("name")] = real.get("unit"), real.get("displayUnit")
+
+    assert shown["j0.angle"] == ("rad", "deg") and shown["j0.speed"] == ("rad/s", "deg/s")
+    assert shown["b0.mass"] == ("kg", None)
+
+
 def test_odd_names(tmp_path):
     """Names that XML, the log and the naming convention have to quote."""
     body = {"mass": 1, "inertia": [1, 1, 1], "input": ["force"], "output": ["position"]}
@@ -269,7 +311,7 @@ def test_invalid_description_is_refused(pendulum):
 
         guid = ""
         identifier = "two\nlines"
-        variables = []
+        variables = listed = []
 
     with pytest.raises(description.DescriptionError, match="of 'pendulum' is not valid"):
         description.description(Broken())
@@ -289,8 +331,20 @@ def test_archive(exported):
     if fmpy.platform == "linux64":
         assert f"binaries/linux64/{model.identifier}.so" in names
     assert {"model.png", "documentation/index.html", "resources/model.bin"} < set(names)
+    assert "documentation/licenses/license.txt" in names
     assert any(name.startswith("resources/") and name.endswith(".toml") for name in names)
     assert icon.startswith(b"\x89PNG\r\n")
+
+
+def test_the_scene_stays_at_home_when_asked(tmp_path):
+    scene = load(next(path for path in SCENES if path.stem == "pendulum"))
+    files = {}
+
+    for with_scene in (True, False):
+        with zipfile.ZipFile(scene.export(tmp_path / "a.fmu", with_scene=with_scene)) as archive:
+            files[with_scene] = set(archive.namelist())
+
+    assert files[True] - files[False] == {"resources/pendulum.toml"} and files[False] < files[True]
 
 
 def test_export_is_reproducible(pendulum, tmp_path, monkeypatch):
@@ -327,16 +381,10 @@ def linux_library():
 
 
 def fmi_functions():
-    """Names of all functions of FMI 2.0 for co-simulation and of FMI 3.0, from the headers."""
+    """Names of all functions of FMI 2.0 and 3.0, from the headers."""
     folder = Path(fmpy.__file__).parent / "c-code"
     headers = [(folder / f"fmi{k}Functions.h").read_text() for k in (2, 3)]
-    names = {name for text in headers for name in re.findall(r"FMI[23]_Export \w+\s+(fmi[23]\w+);", text)}
-    model_exchange = (
-        "EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime "
-        "SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates "
-        "GetNominalsOfContinuousStates"
-    )
-    return names - {f"fmi2{name}" for name in model_exchange.split()}
+    return {name for text in headers for name in re.findall(r"FMI[23]_Export \w+\s+(fmi[23]\w+);", text)}
 
 
 def test_only_fmi_functions_and_the_table_of_kernels_leave_the_library(linux_library):

@@ -10,6 +10,12 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 ORBIT = 'orbit = { radius = 7e6, rate = 1e-3, normal = "-y", phase_deg = 30, pointing = true }'
 MESSAGES = [
+    (LOOKS, 'stop = 20', 'stop = 1', [
+        '[experiment] stop must be after start (1), found 1',
+    ]),
+    (LOOKS, 'stop = 20', 'end = 20', [
+        '[experiment] end: unknown key; there is "start", "stop", "step" and "tolerance".',
+    ]),
     (LOOKS, 'frame = "mast"', 'frame = "mats"', [
         '[view] frame: no body "mats"; there is "mast", "ground" and "inertial". Did you mean "mast"?',
     ]),

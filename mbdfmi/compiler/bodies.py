@@ -289,7 +289,7 @@ def _on_ground(builder):
         nodes += [i for group in builder.constraint_nodes if 0 in group for i in group]
 
         for u, *pair in _columns(builder, "n_strut", "strut_u", "strut_from", "strut_to"):
-            if 0 in map(builder.marker_node, pair):
+            if u >= 0 and 0 in map(builder.marker_node, pair):
                 fed_by.append(u)
 
     # the water of added mass is part of the ground

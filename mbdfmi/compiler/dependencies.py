@@ -12,8 +12,8 @@ class Dependencies:
     """
 
     def __init__(self, builder):
-        self._island = _islands(builder.nodes, builder.constraint_nodes)
-        self._reach = _islands(builder.nodes, builder.constraint_nodes + builder.force_nodes)
+        self._island = islands(builder.nodes, builder.constraint_nodes)
+        self._reach = islands(builder.nodes, builder.constraint_nodes + builder.force_nodes)
         # islands -> positions in u of the inputs that move them, that move what force elements hold to them, that pull at them
         moving = [(k, given.nodes) for k, given in enumerate(builder.inputs) if given.moves]
         pulling = [(k, given.nodes) for k, given in enumerate(builder.inputs) if not given.moves]
@@ -60,7 +60,7 @@ def _felt(inputs, island, nodes):
     return [inputs[k] for k in {island[i] for i in nodes} if k in inputs] if inputs else []
 
 
-def _islands(nodes, groups):
+def islands(nodes, groups):
     """For each node the number of its island: what joints and groups of nodes hold together, the ground left out."""
     leader = list(range(len(nodes)))
 

@@ -36,6 +36,7 @@ from .joints import add_joints
 from .light_parts import tell_light_parts
 from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .reactions import add_reactions
+from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
 from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable, reference_table
 
@@ -48,6 +49,8 @@ class Model:
     ints, reals : structure (int64) and default parameters (float64), flat.
     n_state, n_work, n_u, n_y : lengths of an instance's buffers and of its inputs and outputs.
     variables : inputs, outputs, parameters, in that order.
+    exchanged : what model exchange adds to them, and an FMU's value references count on: states, their rates, indicators of events;
+        nothing where the model is for co-simulation only.
     places : names that a kernel's status can point to: the nodes of the tree, then the constraints, whose starts would help to close
         each of these, and names of other things.
     tree : nodes, and where the bodies are in them.
@@ -69,6 +72,7 @@ class Model:
     n_u: int
     n_y: int
     variables: list[Variable]
+    exchanged: list[Variable]
     places: list[str]
     tree: Tree
     coordinates: dict[tuple[str, int], int]
@@ -94,9 +98,23 @@ class Model:
         m = ModelView(ints=self.ints, reals=self.reals.copy() if reals is None else reals)
         return m, DataView(ints=self.ints, state=state, work=work, u=u)
 
+    @property
+    def listed(self) -> list[Variable]:
+        """All variables of an FMU, by value reference."""
+        return self.variables + self.exchanged
+
+    @property
+    def exchanges(self) -> bool:
+        """Whether it can be integrated by a solver outside."""
+        return bool(self.exchanged)
+
+    def nominal_of(self, state: Variable) -> float:
+        """The size that a state has."""
+        return float(self.reals[self.ints[layout.SLOT["x_nominal"]] + state.index])
+
     def of_causality(self, causality: str) -> list[Variable]:
-        """Inputs, outputs or parameters."""
-        return [v for v in self.variables if v.causality == causality]
+        """Inputs, outputs, parameters, states, rates or indicators."""
+        return [v for v in self.listed if v.causality == causality]
 
 
 def compile_scene(scene: SceneData, first=()) -> Model:
@@ -185,6 +203,8 @@ def _assemble(builder):
     offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
     places = [node.name for node in builder.nodes] + builder.constraint_names + builder.loop_hints
     values = _values(builder, len(places))
+    states = list_states(builder, values["scene_length"])
+    values["x_nominal"] = [state.nominal for state in states]
     places += builder.names
     buffers = {"ints": np.zeros(length["ints"], np.int64), "reals": np.zeros(length["reals"])}
     buffers["ints"][: len(header)] = header
@@ -206,7 +226,7 @@ def _assemble(builder):
         n_work=length["work"],
         n_u=counts["n_u"],
         n_y=counts["n_y"],
-        variables=builder.list_variables(offset),
+        **_list_variables(builder, states, offset),
         places=places,
         tree=builder.tree,
         coordinates=builder.coordinates,
@@ -214,6 +234,28 @@ def _assemble(builder):
         notices=scene.notices + [str(notice) for notice in builder.notices],
     )
     return replace(model, guid=guid_of(model))
+
+
+def _list_variables(builder, states, offset):
+    """All variables, and those of model exchange, as fields of a Model.
+
+    Where inputs command motions the speeds follow from those of the inputs, which no solver outside tells.
+    """
+    variables = builder.list_variables(offset)
+    led = None if builder.tables["n_command"].length else led_by(builder, states)
+
+    if led is None or not states:
+        return {"variables": variables, "exchanged": []}
+
+    listed = state_variables(states)
+    reference = {v.index: len(variables) + k for k, v in enumerate(listed)}
+    of = {known: tuple(sorted(reference[k] for k in known)) for known in set(led)}
+    outputs = iter(led)
+    variables = [replace(v, led_by=of[next(outputs)]) if v.causality == "output" else v for v in variables]
+    return {
+        "variables": variables,
+        "exchanged": [*listed, *rate_variables(listed), *indicator_variables(builder)],
+    }
 
 
 def _counts(builder):
@@ -344,7 +386,7 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.n_work,
         model.n_u,
         model.n_y,
-        len(model.variables),
+        len(model.listed),
     )
     u_start = np.zeros(model.n_u, "<f8")
 
@@ -355,9 +397,9 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.ints.astype("<i8"),
         model.reals.astype("<f8"),
         u_start,
-        reference_table(model.variables),
+        reference_table(model.listed),
     )
-    told = hashlib.sha256(repr((model.variables, model.places)).encode()).digest()
+    told = hashlib.sha256(repr((model.listed, model.places)).encode()).digest()
     return np.array(sizes, "<i8").tobytes(), b"".join(array.tobytes() for array in numbers) + told
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import fmi_name
 from ..scene.errors import nearest
 
-KINDS = ("input", "output", "fixed", "tunable")
+KINDS = ("input", "output", "fixed", "tunable", "state", "rate", "indicator")
 """What a value reference is, as numbers in an FMU: its causality; of a parameter its variability."""
 
 TABLE = np.dtype([("kind", "<i8"), ("index", "<i8"), ("length", "<i8")])
@@ -23,12 +23,13 @@ class Variable:
     """A scalar variable. Its FMI value reference is its position in `Model.variables`.
 
     name : structured FMI name, indices 1-based.
-    causality : "input", "output" or "parameter".
+    causality : "input", "output" or "parameter"; of what model exchange adds "state", "rate" or "indicator".
     variability : "continuous"; parameters: "tunable" at any time, or "fixed" after initialisation.
     start : value at the start; None for outputs.
     unit : key of `units.UNITS`, None without unit.
-    index : position in the buffer `u`, `y` or `reals`.
+    index : position in the buffer `u`, `y` or `reals`, in x or x', among the indicators.
     depends : of an output: value references of the inputs that act on it at the same instant; at the start all parameters do too.
+    led_by : of an output: value references of the states that it may depend on.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Variable:
     description: str
     index: int
     depends: tuple[int, ...] = ()
+    led_by: tuple[int, ...] = ()
 
     @property
     def kind(self) -> int:
@@ -71,7 +73,7 @@ def arrays(variables: list[Variable]) -> list[ArrayVariable]:
         elements = tuple(group)
         shape = _shape(elements[-1].name)
         alike = len({(v.causality, v.variability) for v in elements}) == 1
-        whole = [v.name for v in elements] == [name + k for k in subscripts(shape)]
+        whole = [v.name for v in elements] == [_element(name, k) for k in subscripts(shape)]
         first = found[-1].first + len(found[-1].elements) if found else 0
 
         if alike and whole and name not in names - {elements[0].name}:
@@ -84,8 +86,13 @@ def arrays(variables: list[Variable]) -> list[ArrayVariable]:
 
 def _shape(name: str) -> tuple[int, ...]:
     """The shape of the array whose last element has this name."""
-    last = name.removeprefix(array_of(name))
-    return tuple(map(int, last[1:-1].split(","))) if last else ()
+    last = re.search(_INDICES, name)
+    return tuple(map(int, last[1].split(","))) if last else ()
+
+
+def _element(array: str, indices: str) -> str:
+    """The name of an element of an array; that of a rate is der(x[1])."""
+    return f"{array[:-1]}{indices})" if array.startswith("der(") else array + indices
 
 
 def reference_table(variables: list[Variable]) -> np.ndarray:
@@ -114,9 +121,12 @@ def subscripts(shape: tuple[int, ...]) -> list[str]:
     return [f"[{j + 1},{k + 1}]" for j in range(shape[0]) for k in range(shape[1])]
 
 
+_INDICES = r"\[(\d+(?:,\d+)*)\](\)?)$"
+
+
 def array_of(name: str) -> str:
     """The name of the array that a variable is an element of, or its own."""
-    return re.sub(r"\[\d+(,\d+)*\]$", "", name)
+    return re.sub(_INDICES, r"\2", name)
 
 
 def meant(name: str, names: Iterable[str]) -> list[str]:

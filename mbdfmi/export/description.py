@@ -19,9 +19,6 @@ LOG_CATEGORIES = {
     "logAll": "All messages",
 }
 
-STOP_TIME = 10.0  # s, only a proposal to the tool
-STEP_SIZE = 0.01  # s, likewise
-
 # dependencies at the start that are written in all, about 0.5 MB
 MOST_LISTED = 100_000
 
@@ -39,14 +36,14 @@ def description(model) -> bytes:
         "fmiModelDescription",
         fmiVersion="2.0",
         guid=model.guid,
-        numberOfEventIndicators="0",
+        numberOfEventIndicators=str(len(model.of_causality("indicator"))),
         **texts_of(model),
     )
 
-    _co_simulation(root, model)
-    add_units(root, {v.unit for v in model.variables})
+    _kinds(root, model)
+    add_units(root, {v.unit for v in model.listed})
     add_log_categories(root)
-    add_experiment(root)
+    add_experiment(root, model.scene)
     _variables(root, model)
     _structure(root, model)
 
@@ -97,21 +94,29 @@ def _schema(fmi: int) -> etree.XMLSchema:
     return etree.XMLSchema(file=str(folder / f"fmi{fmi}ModelDescription.xsd"))
 
 
-def _co_simulation(root, model) -> None:
+def _kinds(root, model) -> None:
+    """Model exchange, where the model can, and co-simulation."""
+    common = {
+        "modelIdentifier": model.identifier,
+        "needsExecutionTool": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+
+    if model.exchanges:
+        etree.SubElement(root, "ModelExchange", completedIntegratorStepNotNeeded="false", **common)
+
     etree.SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=model.identifier,
-        needsExecutionTool="false",
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="true",
         maxOutputDerivativeOrder="0",
         canRunAsynchronuously="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        providesDirectionalDerivative="false",
+        **common,
     )
 
 
@@ -132,6 +137,15 @@ def add_units(root, used: set[str | None]) -> None:
             etree.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
 
 
+def set_unit(element, unit: str | None) -> None:
+    """The unit of a variable, and the one to show it in: angles are shown in degrees."""
+    if unit:
+        element.set("unit", unit)
+
+        if UNITS[unit].rad and UNITS[unit].display:
+            element.set("displayUnit", UNITS[unit].display[0][0])
+
+
 def add_log_categories(root) -> None:
     """What the log may tell of."""
     categories = etree.SubElement(root, "LogCategories")
@@ -140,63 +154,92 @@ def add_log_categories(root) -> None:
         etree.SubElement(categories, "Category", name=name, description=text)
 
 
-def add_experiment(root) -> None:
-    """What a tool may propose for a run."""
-    etree.SubElement(
-        root, "DefaultExperiment", startTime="0", stopTime=repr(STOP_TIME), stepSize=repr(STEP_SIZE)
+def add_experiment(root, scene) -> None:
+    """What a tool may propose for a run of a scene; the tolerance is the solver's where nothing else is said."""
+    experiment, solver = scene.experiment, scene.solver
+    tolerance = experiment.tolerance or (None if solver.fixed_step else solver.tolerance)
+    element = etree.SubElement(
+        root, "DefaultExperiment", startTime=repr(experiment.start), stopTime=repr(experiment.stop)
     )
 
+    if tolerance:
+        element.set("tolerance", repr(tolerance))
 
-INITIAL = {"output": "calculated", "parameter": "exact"}  # an input has none
+    element.set("stepSize", repr(experiment.step))
+
+
+INITIAL = {"input": None, "parameter": "exact"}
+"""`initial` of a variable by its causality in the model; of all others "calculated"."""
+
+
+def causality_in_fmi(variable) -> str:
+    """The causality that FMI knows."""
+    return "local" if variable.causality in ("state", "rate", "indicator") else variable.causality
 
 
 def _variables(root, model) -> None:
     """The variables; a value reference is the position in the model's list."""
     variables = etree.SubElement(root, "ModelVariables")
+    states = {v.index: k for k, v in enumerate(model.listed, 1) if v.causality == "state"}
 
-    for reference, variable in enumerate(model.variables):
+    for reference, variable in enumerate(model.listed):
         element = etree.SubElement(
             variables,
             "ScalarVariable",
             name=variable.name,
             valueReference=str(reference),
             description=variable.description,
-            causality=variable.causality,
+            causality=causality_in_fmi(variable),
             variability=variable.variability,
         )
-        if variable.causality in INITIAL:
-            element.set("initial", INITIAL[variable.causality])
+        if initial := INITIAL.get(variable.causality, "calculated"):
+            element.set("initial", initial)
 
         real = etree.SubElement(element, "Real")
-        if variable.unit:
-            real.set("unit", variable.unit)
+        set_unit(real, variable.unit)
         if variable.start is not None:
             real.set("start", repr(float(variable.start)))
+        if variable.causality == "state":
+            real.set("nominal", repr(model.nominal_of(variable)))
+        if variable.causality == "rate":
+            real.set("derivative", str(states[variable.index]))
 
 
 def _structure(root, model) -> None:
     """Which outputs there are and what they depend on; indices count from 1.
 
     At the start that is the same inputs and all parameters. An Unknown without `dependencies` depends on all that is known
-    (FMI 2.0.4, 2.2.8), so this is not written where it is so, nor where it would take more than MOST_LISTED.
+    (FMI 2.0.4, 2.2.8), as rates do, so this is not written where it is so, nor where it would take more than MOST_LISTED.
     """
     structure = etree.SubElement(root, "ModelStructure")
-    outputs = [(i, v) for i, v in enumerate(model.variables, 1) if v.causality == "output"]
-
-    if not outputs:
-        return
-
+    numbered = list(enumerate(model.listed, 1))
+    outputs = [(k, v) for k, v in numbered if v.causality == "output"]
+    rates = [k for k, v in numbered if v.causality == "rate"]
+    states = [k for k, v in numbered if v.causality == "state"]
     inputs = len(model.of_causality("input"))
-    parameters = range(inputs + len(outputs), len(model.variables))
+    parameters = [k for k, v in numbered if v.causality == "parameter"]
     partial = [v for _, v in outputs if len(v.depends) < inputs]
     lists = sum(len(v.depends) + len(parameters) for v in partial) <= MOST_LISTED
-    all_parameters = " ".join(str(k + 1) for k in parameters)
-    now, start = (etree.SubElement(structure, section) for section in ("Outputs", "InitialUnknowns"))
+    all_parameters = " ".join(map(str, parameters))
+    sections = {name: etree.Element(name) for name in ("Outputs", "Derivatives", "InitialUnknowns")}
 
     for index, variable in outputs:
-        known = " ".join(str(k + 1) for k in variable.depends)
-        etree.SubElement(now, "Unknown", index=str(index), dependencies=known)
-        unknown = etree.SubElement(start, "Unknown", index=str(index))
+        known = [str(k + 1) for k in variable.depends]
+        led = [str(k + 1) for k in variable.led_by]
+        etree.SubElement(
+            sections["Outputs"], "Unknown", index=str(index), dependencies=" ".join([*known, *led])
+        )
+        unknown = etree.SubElement(sections["InitialUnknowns"], "Unknown", index=str(index))
 
         if lists and len(variable.depends) < inputs:
-            unknown.set("dependencies", f"{known} {all_parameters}".strip())
+            unknown.set("dependencies", " ".join([*known, all_parameters]).strip())
+
+    for index in rates:
+        etree.SubElement(sections["Derivatives"], "Unknown", index=str(index))
+
+    for index in [*states, *rates]:
+        etree.SubElement(sections["InitialUnknowns"], "Unknown", index=str(index))
+
+    for section in sections.values():
+        if len(section):
+            structure.append(section)

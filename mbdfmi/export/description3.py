@@ -13,11 +13,13 @@ from .description import (
     add_experiment,
     add_log_categories,
     add_units,
+    causality_in_fmi,
     checked,
+    set_unit,
     texts_of,
 )
 
-CAUSALITIES = ("input", "output", "parameter")
+CAUSALITIES = ("input", "output", "parameter", "state", "rate", "indicator")
 
 
 def description3(model) -> bytes:
@@ -28,32 +30,40 @@ def description3(model) -> bytes:
     root = etree.Element(
         "fmiModelDescription", fmiVersion="3.0", instantiationToken=model.guid, **texts_of(model)
     )
-    found = arrays(model.variables)
-    _co_simulation(root, model)
+    found = arrays(model.listed)
+    _kinds(root, model)
     add_units(root, {"s", *map(_unit, found)})
     add_log_categories(root)
-    add_experiment(root)
-    _variables(root, found, len(model.variables))
+    add_experiment(root, model.scene)
+    _variables(root, model, found)
     _structure(root, found)
     return checked(root, model, 3)
 
 
-def _co_simulation(root, model) -> None:
+def _kinds(root, model) -> None:
+    """Model exchange, where the model can, and co-simulation."""
+    common = {
+        "modelIdentifier": model.identifier,
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": "true",
+        "providesAdjointDerivatives": "false",
+        "providesPerElementDependencies": "false",
+    }
+
+    if model.exchanges:
+        etree.SubElement(root, "ModelExchange", needsCompletedIntegratorStep="true", **common)
+
     etree.SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=model.identifier,
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
         canHandleVariableCommunicationStepSize="true",
         maxOutputDerivativeOrder="0",
-        providesDirectionalDerivatives="false",
-        providesAdjointDerivatives="false",
-        providesPerElementDependencies="false",
         providesIntermediateUpdate="false",
         mightReturnEarlyFromDoStep="false",
         canReturnEarlyAfterIntermediateUpdate="false",
         hasEventMode="false",
+        **common,
     )
 
 
@@ -63,9 +73,10 @@ def _unit(array: ArrayVariable) -> str | None:
     return units.pop() if len(units) == 1 else None
 
 
-def _variables(root, found: list[ArrayVariable], time: int) -> None:
-    """The variables; `time` is the value reference of the independent one."""
+def _variables(root, model, found: list[ArrayVariable]) -> None:
+    """The variables, time behind them."""
     variables = etree.SubElement(root, "ModelVariables")
+    states = {a.elements[0].index: a.first for a in found if a.elements[0].causality == "state"}
 
     for array in found:
         variable = array.elements[0]
@@ -75,15 +86,18 @@ def _variables(root, found: list[ArrayVariable], time: int) -> None:
             name=array.name,
             valueReference=str(array.first),
             description=variable.description + _units_by_rows(array),
-            causality=variable.causality,
+            causality=causality_in_fmi(variable),
             variability=variable.variability,
         )
-        if variable.causality in INITIAL:
-            element.set("initial", INITIAL[variable.causality])
-        if unit := _unit(array):
-            element.set("unit", unit)
+        if initial := INITIAL.get(variable.causality, "calculated"):
+            element.set("initial", initial)
+        set_unit(element, _unit(array))
         if starts := [repr(float(v.start)) for v in array.elements if v.start is not None]:
             element.set("start", " ".join(starts))
+        if variable.causality == "state":
+            element.set("nominal", repr(max(map(model.nominal_of, array.elements))))
+        if variable.causality == "rate":
+            element.set("derivative", str(states[variable.index]))
         for size in array.shape:
             etree.SubElement(element, "Dimension", start=str(size))
 
@@ -91,7 +105,7 @@ def _variables(root, found: list[ArrayVariable], time: int) -> None:
         variables,
         "Float64",
         name="time",
-        valueReference=str(time),
+        valueReference=str(len(model.listed)),
         description="time",
         causality="independent",
         variability="continuous",
@@ -115,18 +129,28 @@ def _structure(root, found: list[ArrayVariable]) -> None:
     structure = etree.SubElement(root, "ModelStructure")
     whole = {array.first + k: array.first for array in found for k in range(len(array.elements))}
     of = {causality: [a for a in found if a.elements[0].causality == causality] for causality in CAUSALITIES}
-    inputs, outputs, parameters = of.values()
+    inputs, outputs, parameters, states, rates, indicators = of.values()
     known = {a.first: sorted({whole[k] for v in a.elements for k in v.depends}) for a in outputs}
     partial = [given for given in known.values() if len(given) < len(inputs)]
     lists = sum(len(given) + len(parameters) for given in partial) <= MOST_LISTED
     all_parameters = [array.first for array in parameters]
 
-    for first, given in known.items():
-        _add_unknown(structure, "Output", first, given)
+    for array in outputs:
+        led = sorted({whole[k] for v in array.elements for k in v.led_by})
+        _add_unknown(structure, "Output", array.first, [*known[array.first], *led])
+
+    for array in rates:
+        _add_unknown(structure, "ContinuousStateDerivative", array.first, None)
 
     for first, given in known.items():
         listed = lists and len(given) < len(inputs)
         _add_unknown(structure, "InitialUnknown", first, [*given, *all_parameters] if listed else None)
+
+    for array in [*states, *rates]:
+        _add_unknown(structure, "InitialUnknown", array.first, None)
+
+    for array in indicators:
+        _add_unknown(structure, "EventIndicator", array.first, None)
 
 
 def _add_unknown(structure, section: str, reference: int, known: list[int] | None) -> None:

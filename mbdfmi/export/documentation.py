@@ -61,7 +61,7 @@ def documentation(model, platforms: Iterable[str], fmi: int, picture: str | None
 
 def _what_it_is(model, platforms, fmi) -> list:
     facts = {
-        "Kind": f"FMI {fmi}.0, co-simulation",
+        "Kind": f"FMI {fmi}.0, {'model exchange and ' if model.exchanges else ''}co-simulation",
         "Platforms": ", ".join(platforms),
         "Needs": "the C library of the platform, nothing else",
         "Solver": _solver(model.scene.solver),

@@ -32,7 +32,7 @@ def export_fmu(
     pictures: tuple[bytes, bytes] | None = None,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
-    """Write a model as an FMU for co-simulation and return its path.
+    """Write a model as an FMU for co-simulation, and model exchange where it can, and return its path.
 
     platforms   keys of mbdfmi.native.platforms.PLATFORMS; default: the machine's own
     fmi         version of FMI: 2 (2.0) or 3 (3.0)
@@ -59,6 +59,7 @@ def export_fmu(
         "modelDescription.xml": DESCRIPTIONS[fmi](model),
         "model.png": pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes(),
         "documentation/index.html": documentation(model, chosen, fmi, PICTURE if pictures else None),
+        "documentation/licenses/license.txt": _licence(),
         f"resources/{NAME}": resource(model, MESSAGES),
     }
     if pictures:
@@ -75,6 +76,14 @@ def export_fmu(
 
     _write_archive(path, files)
     return path
+
+
+def _licence() -> bytes:
+    """The licence of the library in an FMU: inside the installed package, beside it in the repository."""
+    package = Path(__file__).parents[1]
+    installed = package / "LICENSE"
+
+    return (installed if installed.is_file() else package.parent / "LICENSE").read_bytes()
 
 
 def _write_archive(path: Path, files: dict[str, bytes]) -> None:

@@ -17,7 +17,7 @@ def resource(model, messages: dict[int, str]) -> bytes:
 
     The layout (little endian) is described in fmu_src/resource.h.
     """
-    strings = [*(v.name for v in model.variables), *model.places]
+    strings = [*(v.name for v in model.listed), *model.places]
     for code, text in messages.items():
         strings += [str(code), text]
     strings += model.notices

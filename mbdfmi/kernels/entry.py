@@ -5,7 +5,7 @@
 
 import math
 
-from . import forces, joints, notes, outputs
+from . import exchange, forces, joints, notes, outputs
 from .dynamics import assembly, forward, inertia, projection, rates, reactions, rows
 from .forces import struts
 from .joints import virtual
@@ -125,5 +125,9 @@ ENTRIES = {
     "mbdfmi_initialise": initialise,
     "mbdfmi_step": step,
     "mbdfmi_outputs": compute_outputs,
+    "mbdfmi_lead": exchange.lead,
+    "mbdfmi_rates": exchange.rates_now,
+    "mbdfmi_indicators": exchange.indicators,
+    "mbdfmi_next_kink": exchange.next_kink,
 }
 """What the C wrapper calls. In native code a view is the addresses of its buffers, in their order (see views.py)."""

@@ -287,6 +287,7 @@ ARRAYS = (
     Array("solid_A", "reals", 9, "n_solid", "user's body axes to the node's"),
     Array("marker_r", "reals", 3, "n_marker", "m, in the node"),
     Array("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
+    Array("x_nominal", "reals", 1, "n_x", "size that the states have, for integrators outside"),
     # state
     Array("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
     Array("notices", "state", 1, 1, "notices not told yet (status.py)"),

@@ -9,6 +9,7 @@ from .bodies import Body, Ground
 from .checks import clashes, cross_references, unfit_shapes
 from .couplings import Coupling
 from .errors import SceneError
+from .experiment import Experiment
 from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given
 from .forces import Force
 from .joints import Joint
@@ -114,7 +115,7 @@ class SceneData(Part):
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
         about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in
         velocity; the multipliers.
-    solver, ground, view : as above.
+    solver, experiment, ground, view : as above.
     body, joint, coupling, force, measure : by name, in the order written.
 
     Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
@@ -128,6 +129,7 @@ class SceneData(Part):
     gravity: Vector = Field(default_factory=_gravity)
     output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
+    experiment: Experiment = Experiment()
     ground: Ground = Ground()
     view: View = View()
     body: dict[Name, Body] = {}

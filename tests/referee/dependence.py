@@ -65,14 +65,15 @@ def told(model):
     def wrong(name, text):
         found.append(Finding("description", "modelDescription.xml", name, text=text))
 
-    if [v.get("name") for v in variables] != [v.name for v in model.variables]:
+    if [v.get("name") for v in variables] != [v.name for v in model.listed]:
         wrong("", "other variables than the model's")
         return found
 
-    for xml, v in zip(variables, model.variables):
+    for xml, v in zip(variables, model.listed):
         real = xml.find("Real")
+        causality = "local" if v.causality in ("state", "rate", "indicator") else v.causality
 
-        if xml.get("causality") != v.causality or real is None or real.get("unit") != v.unit:
+        if xml.get("causality") != causality or real is None or real.get("unit") != v.unit:
             wrong(
                 v.name, f"{xml.get('causality')} in {real.get('unit')}; the model: {v.causality} in {v.unit}"
             )
@@ -88,7 +89,11 @@ def told(model):
         for k, v in enumerate(model.of_causality("output"), n_u):
             if k not in unknowns:
                 wrong(v.name, f"not among the {section} of ModelStructure")
-            elif unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != {*v.depends, *more}:
-                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted({*v.depends, *more})}")
+                continue
+
+            expected = {*v.depends, *more, *(v.led_by if section == "Outputs" else ())}
+
+            if unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != expected:
+                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted(expected)}")
 
     return found

@@ -15,7 +15,7 @@ def add(commands):
         run,
         "export",
         "write scenes as FMUs",
-        """An FMU (for co-simulation, FMI 2.0 or 3.0) holds all it needs: no Python and no compiler
+        """An FMU (FMI 2.0 or 3.0) holds all it needs: no Python and no compiler
 where it runs. The first export of a version compiles the kernels, which takes
 some minutes; later ones take a second.""",
         """examples:
@@ -39,6 +39,11 @@ some minutes; later ones take a second.""",
         metavar="VERSION",
         default="2",
         help="2, 3, or 2,3 for a file of each (default: 2)",
+    )
+    command.add_argument(
+        "--no-scene",
+        action="store_true",
+        help="keep the scene file out of the FMU (its numbers are in there all the same)",
     )
     command.add_argument(
         "--platform",
@@ -73,7 +78,9 @@ def run(options):
 
             for path, fmi in zip(paths, versions):
                 with doing(f"{file}: exporting") as tell:
-                    scene.export(path, platforms, fmi=fmi, progress=_about(file, tell))
+                    scene.export(
+                        path, platforms, with_scene=not options.no_scene, fmi=fmi, progress=_about(file, tell)
+                    )
 
                 written[path] = file
                 size = f"  ({path.stat().st_size / 1024:.0f} KB)" if path.is_file() else ""

@@ -38,6 +38,10 @@ def add(seed, data):
     if dice.chance(0.4):
         data["view"] = _view(dice, data)
 
+    if dice.chance(0.3):
+        start = dice.number(-1.0, 1.0)
+        data["experiment"] = {"start": start, "stop": start + 5.0, "step": 0.05, "tolerance": 1e-6}
+
 
 def _paint(dice, holder, owner, markers):
     if dice.chance(0.2):
