@@ -10,6 +10,7 @@ import subprocess
 import zipfile
 import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,10 +18,12 @@ from scipy.spatial.transform import Rotation
 
 import mbdfmi
 from mbdfmi.cli import main
+from mbdfmi.run.states import States
 from mbdfmi.scene import curves as scene_curves
 from mbdfmi.scene import surfaces
 from mbdfmi.scene.looks import red_green_blue
 from mbdfmi.view import curves, forms, glb
+from mbdfmi.view import page as page_module
 from mbdfmi.view.contents import PALETTE
 from mbdfmi.view.curves import SURFACES
 from mbdfmi.view.drawing import draw
@@ -79,7 +82,8 @@ def test_poses_in_the_glb_are_those_of_the_run(name, check):
     times, found, _ = poses(shown.glb())
     np.testing.assert_allclose(times, results["time"], atol=1e-6)
     assert set(found) == {"ground", *scene.body}
-    base_r, base_q = results.poses("ground" if scene.ground.motion else "inertial")
+    still = scene.ground.motion and scene.view.frame != "inertial"
+    base_r, base_q = results.poses("ground" if still else "inertial")
     base = Rotation.from_quat(base_q)
 
     for body in scene.body:
@@ -367,3 +371,22 @@ def test_a_run_of_an_fmu_by_fmpy_can_be_drawn(tmp_path):
     assert results.view(tmp_path / "a.html").stat().st_size > 100_000
     with pytest.raises(ValueError, match="another scene"):
         load("pendulum").recorder().keep(recorder._kept[0])
+
+
+def test_states_of_long_runs_of_many_bodies_are_small():
+    def stored(n_q, n_v, n):
+        model = SimpleNamespace(n_x=n_q + n_v, n_q=n_q, n_v=n_v, n_u=0, n_command=0)
+        states = States(model, n)
+        return states._x.nbytes, states._x.dtype.itemsize, states.has_velocities
+
+    # hinges: every digit; floating bodies: seven digits, no velocities
+    assert stored(1000, 1000, 10_000) == (160_000_000, 8, True)
+    assert stored(7000, 6000, 10_000) == (280_000_000, 4, False)
+
+
+def test_a_page_of_a_very_long_run_holds_some_of_its_rows(tmp_path, monkeypatch):
+    monkeypatch.setattr(page_module, "POSES", 28 * 3 * 60)
+    scene = load("four_bar")
+    _, info = parts(scene.simulate(1.0, 0.01).view(tmp_path / "a.html").read_text())
+    assert "the picture shows 60 of the 101 rows of the run" in info["notes"]
+    assert info["times"] == [0.0, 1.0]

@@ -26,12 +26,6 @@ class Motion:
     q: np.ndarray
     inertial: tuple
 
-    def thinned(self, most):
-        """The same with at most so many rows, evenly picked, first and last among them."""
-        rows = picked(len(self.times), most)
-        r, A = self.inertial
-        return Motion(self.times[rows], self.bodies, self.r[rows], self.q[rows], (r[rows], A[rows]))
-
     def point(self, body, r):
         """(n, 3): where a point (3,) of a body is."""
         k = self.bodies.index(body)

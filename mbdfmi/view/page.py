@@ -10,6 +10,7 @@ from pathlib import Path
 
 from . import glb
 from .arrows import arrows
+from .motion import picked
 from .told import told
 
 FOLDER = Path(__file__).parent
@@ -21,18 +22,21 @@ NOT_EVERY = "the picture shows {shown} of the {all} rows of the run"
 SPINS = "{bodies} may turn further between two rows than the picture can tell: a smaller step shows how"
 
 
+def rows_of(states):
+    """The rows of a run that a page can hold: all of one that is not very long."""
+    moving = max(1, len(states.model.tree.nodes) - 1)
+    return picked(len(states), max(50, POSES // (28 * moving)))
+
+
 def page(picture, results=None, notes=()) -> str:
     """The page of a picture; results: of its run; notes: what a user is told of it."""
-    moving = sum(bool(node.moves) for node in picture.tree().children) or 1
-    most = max(50, POSES // (28 * moving))
     notes = list(notes)
 
     if picture.moves.far_turns():
         notes.append(SPINS.format(bodies=", ".join(picture.moves.far_turns())))
 
-    if len(picture.moves.times) > most:
-        notes.append(NOT_EVERY.format(shown=most, all=len(picture.moves.times)))
-        picture = picture.thinned(most)
+    if len(picture.moves.times) < len(picture.states):
+        notes.append(NOT_EVERY.format(shown=len(picture.moves.times), all=len(picture.states)))
 
     binary = glb.write(picture.tree(full=False), picture.moves.times, picture.title)
     info = told(picture, results, notes) | {"arrows": arrows(picture)}

@@ -71,10 +71,6 @@ class Picture:
 
         return (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-6)
 
-    def thinned(self, most):
-        """The same with at most so many rows."""
-        return replace(self, moves=self.moves.thinned(most))
-
     def thinned_to(self, rows):
         """The same with some rows of the states of the run alone."""
         return replace(self, moves=motion(self.scene, self.states, rows=rows))
@@ -206,12 +202,12 @@ class Picture:
         return glb.write(self.tree(), self.moves.times, self.title)
 
 
-def picture(scene, states) -> Picture:
-    """The picture of a scene and the states of a run of it.
+def picture(scene, states, rows=None) -> Picture:
+    """The picture of a scene and the states of a run of it, at all of its rows or at some.
 
     Raises ValueError where a mesh cannot be read.
     """
-    moves = motion(scene, states)
+    moves = motion(scene, states, rows)
     size = _size(scene, moves)
     return Picture(scene, states, moves, size, pieces(scene, size), links(scene, size))
 

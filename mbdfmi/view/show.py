@@ -13,7 +13,7 @@ from ..run.instance import Instance
 from ..run.results import Results
 from ..run.states import States
 from . import browser, drawing
-from .page import page
+from .page import page, rows_of
 from .picture import picture
 
 ENDINGS = (".html", ".htm", ".glb", ".png")
@@ -52,7 +52,10 @@ class Run(Results):
 
     def _repr_html_(self):
         """In a notebook: the page."""
-        return framed(page(picture(self.scene, self.states), self, self.notices)) if self.states else None
+        if self.states is None:
+            return None
+
+        return framed(page(picture(self.scene, self.states, rows_of(self.states)), self, self.notices))
 
 
 def at_start(model: Model, parameters=None, inputs=None) -> Run:
@@ -103,7 +106,8 @@ def show(run: Run, path=None, at: float | None = None, tell=lambda text: None) -
     if ending == ".png":
         data = picture_at(run, at, tell)
     else:
-        shown = picture(run.scene, run.states)
+        rows = None if ending == ".glb" else rows_of(run.states)
+        shown = picture(run.scene, run.states, rows)
         data = shown.glb() if ending == ".glb" else page(shown, run, run.notices).encode()
 
     with replacing(path) as temporary:
@@ -123,7 +127,9 @@ def picture_at(run: Run, at: float | None = None, tell=lambda text: None) -> byt
     if not times[0] - 1e-9 <= at <= times[-1] + 1e-9:
         raise ValueError(f"--at {at:g}: the run is from {times[0]:g} to {times[-1]:g} s")
 
-    shown = picture(run.scene, run.states)
+    row = int(np.abs(times - at).argmin())
+    rows = np.union1d(rows_of(run.states), [row])
+    shown = picture(run.scene, run.states, rows)
     chromium = browser.find()
 
     if chromium is not None:
@@ -134,7 +140,7 @@ def picture_at(run: Run, at: float | None = None, tell=lambda text: None) -> byt
     else:
         tell(NO_BROWSER)
 
-    return drawing.png(drawing.draw(shown, int(np.abs(times - at).argmin()), 1280, 800))
+    return drawing.png(drawing.draw(shown, int(np.searchsorted(rows, row)), 1280, 800))
 
 
 def still(model: Model) -> tuple[bytes, bytes]:
