@@ -18,6 +18,9 @@ GRID, WATER = (0.79, 0.83, 0.87), (0.24, 0.56, 0.77)
 FIELD = 35.0
 FINE = 2
 
+# how often, and down to how many pixels, long slanting triangles are cut
+CUTS, SHORT = 6, 16
+
 # fragments in hand at once; layers of what is seen through
 MOST = 2_000_000
 LAYERS = 6
@@ -26,7 +29,7 @@ LAYERS = 6
 def draw(picture, row=0, width=640, height=400, grid=True):
     """(height, width, 3) bytes: a picture at a row of its motion, with or without the grid."""
     camera = _Camera(picture, width * FINE, height * FINE)
-    points, normals, colours, opacities = _triangles(picture, row, grid)
+    points, normals, colours, opacities = camera.bisected(*_triangles(picture, row, grid))
     fragments = camera.fragments(points)
     light = _light(camera.facing(points, normals))
     fine = _blend(fragments, colours[:, None] * light, opacities, width * FINE * height * FINE)
@@ -71,13 +74,45 @@ class _Camera:
         flip = np.where((normals * towards).sum(axis=2) < 0, -1.0, 1.0)
         return (normals * flip[:, :, None]) @ self.axes.T
 
-    def fragments(self, points):
-        """(pixel, depth, triangle, weights (n, 3) of its corners) of triangles (n, 3, 3)."""
+    def _seen(self, points):
+        """(x, y in pixels, depth, whether before the eye) of the corners of triangles (n, 3, 3)."""
         seen = (points - self.at) @ self.axes.T
         ahead = (seen[:, :, 2] < -self.near).all(axis=1)
         depth = np.where(ahead[:, None], -seen[:, :, 2], 1.0)
         x = self.width / 2 + self.scale * seen[:, :, 0] / depth
-        y = self.height / 2 - self.scale * seen[:, :, 1] / depth
+        return x, self.height / 2 - self.scale * seen[:, :, 1] / depth, depth, ahead
+
+    def bisected(self, points, normals, colours, opacities):
+        """The same triangles, long slanting ones cut, so that the squares that hold them are small."""
+        for _ in range(CUTS):
+            x, y, _, ahead = self._seen(points)
+            box = np.ptp(x, axis=1) * np.ptp(y, axis=1)
+            (ux, uy), (vx, vy) = ((x[:, k] - x[:, 0], y[:, k] - y[:, 0]) for k in (1, 2))
+            area = np.abs(ux * vy - uy * vx) / 2
+            long = ahead & (np.minimum(np.ptp(x, axis=1), np.ptp(y, axis=1)) > SHORT) & (box > 6 * area)
+
+            if not long.any():
+                break
+
+            # corners in an order that puts the longest side first
+            sides = np.linalg.norm(points[long] - np.roll(points[long], -1, axis=1), axis=2)
+            order = (np.argmax(sides, axis=1)[:, None] + np.arange(3)) % 3
+            halves = []
+
+            for corners in (points, normals):
+                a, b, c = np.take_along_axis(corners[long], order[:, :, None], axis=1).transpose(1, 0, 2)
+                middle = (a + b) / 2
+                pieces = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+                halves.append(np.concatenate([corners[~long], pieces]))
+
+            points, normals = halves
+            colours, opacities = (np.concatenate([v[~long], v[long], v[long]]) for v in (colours, opacities))
+
+        return points, normals, colours, opacities
+
+    def fragments(self, points):
+        """(pixel, depth, triangle, weights (n, 3) of its corners) of triangles (n, 3, 3)."""
+        x, y, depth, ahead = self._seen(points)
         left, right = np.clip([x.min(axis=1), x.max(axis=1)], 0, self.width)
         top, bottom = np.clip([y.min(axis=1), y.max(axis=1)], 0, self.height)
         first = np.floor(np.column_stack([left, top])).astype(int)
