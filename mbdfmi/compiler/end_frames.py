@@ -37,7 +37,7 @@ def _add_end_frame(builder, name, joint):
     given = joint.start_s is not None
     start = joint.start_s if given else ()
     start = [start_position(joint)] if joint.driver else start
-    turning = _turning(builder, joint)
+    turning = n_normal(builder, joint)
     builder.single["s_start"] += [*start, *np.zeros(len(units) + turning - len(start))]
 
     if given and not joint.driver:
@@ -60,11 +60,10 @@ def _add_end_frame(builder, name, joint):
     )
 
 
-def _turning(builder, joint):
-    """How many numbers more a round first surface takes than its parameters: the unit vector that these are read off."""
-    return (
-        3 if joint.shapes[0] == "surface" and builder.scene.marker(joint.between[0]).surface.semi_axes else 0
-    )
+def n_normal(builder, joint):
+    """How many numbers a round first surface takes after its parameters: the unit vector that these are read off."""
+    round_first = joint.shapes[0] == "surface" and builder.scene.marker(joint.between[0]).surface.semi_axes
+    return 3 if round_first else 0
 
 
 def _check_lines(builder, name, joint):

@@ -7,7 +7,7 @@ import numpy as np
 from ..kernels.joints.kinds import E_OFFSET, KINDS, N_Q, N_SLIDE, N_V
 from ..kernels.motion import coordinates
 from .dependencies import islands
-from .end_frames import parameter_units
+from .end_frames import n_normal, parameter_units
 from .variables import Variable, dotted, subscripts
 
 # units of rates
@@ -77,12 +77,20 @@ def _velocities(builder, i, node, length):
 
 
 def _parameters(builder, length):
-    """Parameters of end frames on curves and surfaces."""
-    return [
-        _State(f"{dotted(name)}.state_s", unit, f"parameter of {name}", length if unit == "m" else 1.0)
-        for name in builder.end_frames
-        for unit in parameter_units(builder, builder.scene.joint[name])
-    ]
+    """Parameters of end frames on curves and surfaces, each with the unit vector that they are read off, if any."""
+    states = []
+
+    for name in builder.end_frames:
+        joint = builder.scene.joint[name]
+
+        for unit in parameter_units(builder, joint):
+            size = length if unit == "m" else 1.0
+            states.append(_State(f"{dotted(name)}.state_s", unit, f"parameter of {name}", size))
+
+        about = f"unit vector along which the first surface of {name} is touched, in its marker's axes"
+        states += [_State(f"{dotted(name)}.state_normal", None, about, 1.0)] * n_normal(builder, joint)
+
+    return states
 
 
 def _turns(builder):
