@@ -90,3 +90,54 @@ def test_looks_are_no_part_of_the_model():
         joint=FREE,
     )
     assert looks.compile().guid == plain.compile().guid
+
+
+def test_parts_of_a_mesh_have_their_own_colours_and_textures_are_none(tmp_path):
+    """Materials of two parts, in a file whose other part has none."""
+    from mbdfmi.view.contents import pieces
+
+    red = trimesh.visual.material.PBRMaterial(baseColorFactor=[255, 0, 0, 255])
+    blue = trimesh.visual.material.PBRMaterial(baseColorFactor=[0, 51, 255, 255])
+    boxes = []
+    for k, material in enumerate((red, blue, None)):
+        box = trimesh.creation.box(transform=trimesh.transformations.translation_matrix([2 * k, 0, 0]))
+        if material:
+            box.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), material=material)
+        boxes.append(box)
+    file = str(tmp_path / "parts.glb")
+    trimesh.Scene(boxes).export(file)
+
+    def colours(**more):
+        made = scene(**BODY, shape={"mesh": {"file": file}} | more, colour="#00ff00")
+        return {round(p.surface.points[:, 0].mean() / 2): p.colour for p in pieces(made, 1.0) if p.body == "a"}
+
+    assert colours() == {0: (1, 0, 0), 1: (0, 0.2, 1), 2: (0, 1, 0)}
+    assert set(colours(colour="white").values()) == {(1, 1, 1)}
+
+    # corners of an OBJ file with places in a picture, and no picture
+    (tmp_path / "parts.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    file = str(tmp_path / "parts.obj")
+    assert set(colours().values()) == {(0, 1, 0)}
+
+
+@pytest.mark.parametrize("command", ["check", "view", "simulate"])
+def test_a_look_that_cannot_be_read_is_told_with_its_place(tmp_path, capsys, command):
+    from mbdfmi.cli import main
+
+    made = scene(**BODY, shape=[{"sphere": {"radius": 1}}, {"mesh": {"file": "no.stl"}}], marker={"m": {"shape": {"mesh": {"file": "nor.stl"}}}})
+    file = tmp_path / "a.toml"
+    file.write_text(made.to_toml())
+    more = {"check": [], "view": ["-o", str(tmp_path / "a.html")], "simulate": ["--until", "1", "--view", str(tmp_path / "a.html")]}
+    assert main([command, str(file), *more[command]]) == 1
+    told = capsys.readouterr().err
+    assert f"{file}: [body.a] shape[2].mesh: {tmp_path / 'no.stl'}: No such file" in told
+    assert f"{file}: [body.a.marker.m] shape.mesh: {tmp_path / 'nor.stl'}: No such file" in told
+
+
+def test_import_of_a_scene_says_that_it_is_one(tmp_path, capsys, monkeypatch):
+    from mbdfmi.cli import main
+
+    (tmp_path / "a.toml").write_text(scene(**BODY).to_toml())
+    monkeypatch.chdir(tmp_path)
+    assert main(["import", "a.toml"]) == 1
+    assert "is a scene file already" in capsys.readouterr().err

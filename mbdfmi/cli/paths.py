@@ -26,6 +26,16 @@ def load_scene(file, options=None):
     return scene
 
 
+def check_looks(file, scene):
+    """Raises ValueError that names the file and each place of a mesh that cannot be read."""
+    from ..view.contents import check_meshes
+
+    try:
+        check_meshes(scene)
+    except ValueError as error:
+        raise ValueError("\n".join(f"{file}: {line}" for line in str(error).split("\n"))) from None
+
+
 def matching(file):
     """A file, or those that a pattern with * stands for: Windows' shells leave patterns to the program."""
     return sorted(glob.glob(file)) if "*" in file and not Path(file).exists() else [file]

@@ -113,7 +113,7 @@ class ConeShape(AxialDrawn):
 
 
 class MeshShape(Drawn):
-    """mesh = { file, scale }; without a colour in its own colours, where its file has some."""
+    """mesh = { file, scale }; without a colour each part in its own, where its file has some (no textures)."""
 
     kind: ClassVar[str] = "mesh"
     mesh: MeshGeometry

@@ -44,10 +44,21 @@ def load_mesh(file, scale=1.0):
 
     Raises ValueError that names the file.
     """
-    stamp = _stamp(file)
-    mesh = _read(str(file.path), stamp).copy()
-    mesh.apply_transform(np.diag([*np.broadcast_to(scale, 3), 1.0]))
-    return mesh
+    import trimesh
+
+    parts = [mesh for mesh, _ in mesh_parts(file, scale)]
+    return parts[0] if len(parts) == 1 else trimesh.util.concatenate(parts)
+
+
+def mesh_parts(file, scale=1.0):
+    """[(`trimesh.Trimesh`, its main colour (3,) from 0 to 1 or None)] of the parts of a mesh file, scaled.
+
+    Textures are no colour. scale : number or (3,). Raises ValueError that names the file.
+    """
+    stretch = np.diag([*np.broadcast_to(scale, 3), 1.0])
+    return [
+        (mesh.copy().apply_transform(stretch), colour) for mesh, colour in _read(str(file.path), _stamp(file))
+    ]
 
 
 def _stamp(file):
@@ -61,23 +72,39 @@ def _stamp(file):
 
 @lru_cache(maxsize=256)
 def _read(path, stamp):
-    """The mesh in a file; `stamp` : a changed file is read anew."""
+    """[(part, colour)] of the mesh in a file; `stamp` : a changed file is read anew."""
     import trimesh
 
     try:
-        mesh = trimesh.load_mesh(path) if Path(path).suffix.lower() in (".stl", ".ply", ".off") else None
-        mesh = trimesh.load_scene(path).to_mesh() if mesh is None else mesh
+        alone = Path(path).suffix.lower() in (".stl", ".ply", ".off")
+        found = [trimesh.load_mesh(path)] if alone else list(trimesh.load_scene(path).dump(concatenate=False))
+        parts = [
+            (part, _main_colour(part))
+            for part in found
+            if isinstance(part, trimesh.Trimesh) and len(part.faces)
+        ]
     except ImportError as error:
         raise ValueError(f"{path}: cannot be read: {error}") from None
     except Exception as error:
         # readers of files from outside fail in as many ways as there are broken files
         raise ValueError(f"{path}: is no mesh that can be read ({type(error).__name__}: {error})") from None
 
-    if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
+    if not parts:
         raise ValueError(f"{path}: holds no triangles")
-    if not np.isfinite(mesh.vertices).all():
+    if not all(np.isfinite(part.vertices).all() for part, _ in parts):
         raise ValueError(f"{path}: has vertices that are no finite numbers")
-    return mesh
+    return parts
+
+
+def _main_colour(part):
+    """(3,) from 0 to 1 of a part of a mesh that has a colour of its own, else None."""
+    look = getattr(part.visual, "material", part.visual)
+    textures = (getattr(look, name, None) for name in ("image", "baseColorTexture"))
+
+    if not part.visual.defined or any(texture is not None for texture in textures):
+        return None
+
+    return tuple(float(x) / 255 for x in look.main_color[:3])
 
 
 def enclosed(file, scale):

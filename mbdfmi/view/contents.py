@@ -11,7 +11,7 @@ from ..compiler.frames import axes_with_z
 from ..scene.end_frames import END_FRAMES
 from ..scene.fields import unit_vector
 from ..scene.looks import red_green_blue
-from ..scene.meshes import load_mesh
+from ..scene.meshes import load_mesh, mesh_parts
 from . import curves, forms
 
 PALETTE = ("#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#ff9da7", "#9c755f")
@@ -65,6 +65,32 @@ def pieces(scene, size) -> list[Piece]:
     return found + _tracks("ground", scene.ground, size)
 
 
+def check_meshes(scene):
+    """Raises ValueError that names the place of every mesh of a look that cannot be read."""
+    wrong = []
+
+    for place, holder in _holders(scene):
+        for k, shape in enumerate(holder.shape or [], 1):
+            if shape.kind == "mesh":
+                try:
+                    mesh_parts(shape.mesh.file)
+                except ValueError as error:
+                    key = "shape" if len(holder.shape) == 1 else f"shape[{k}]"
+                    wrong.append(f"[{place}] {key}.mesh: {error}")
+
+    if wrong:
+        raise ValueError("\n".join(wrong))
+
+
+def _holders(scene):
+    """(table, what may have shapes) of a scene: the ground, bodies, and their markers."""
+    bodies = [(f"body.{name}", body) for name, body in scene.body.items()]
+
+    for place, holder in [("ground", scene.ground), *bodies]:
+        yield place, holder
+        yield from ((f"{place}.marker.{name}", marker) for name, marker in holder.marker.items())
+
+
 def links(scene, size) -> list[Link]:
     """Springs, and rods that are distances kept."""
     struts = [(name, f.between) for name, f in scene.force.items() if f.kind == "spring_damper"]
@@ -101,8 +127,10 @@ def _looks(scene, name, holder, colour, size):
             if shape.kind == "line":
                 found.append(Piece(name, _line(scene, shape, size), own, shape.opacity))
             else:
-                surface, own = _shape(shape, own)
-                found.append(Piece(name, forms.moved(surface, r, A), own, shape.opacity))
+                found += [
+                    Piece(name, forms.moved(surface, r, A), seen, shape.opacity)
+                    for surface, seen in _shape(shape, own)
+                ]
     return found
 
 
@@ -114,27 +142,22 @@ def _line(scene, shape, size):
 
 
 def _shape(shape, colour):
-    """(surface, colour) of a shape at its place."""
+    """[(surface, colour)] of a shape at its place: of a mesh its parts, in their own colours if any."""
     position, A = shape.pose()
 
-    if shape.kind == "mesh":
-        mesh = load_mesh(shape.mesh.file, shape.mesh.scale)
-        own = _mesh_colour(mesh) if shape.colour is None else None
-        surface = forms.sharp(np.asarray(mesh.vertices, float), np.asarray(mesh.faces))
-        return forms.moved(surface, position, A), own or colour
+    if shape.kind != "mesh":
+        return [(_placed(shape, getattr(shape, shape.kind), position, A), colour)]
 
-    return _placed(shape, getattr(shape, shape.kind), position, A), colour
+    parts = mesh_parts(shape.mesh.file, shape.mesh.scale)
+    return [
+        (forms.moved(_sharp(mesh), position, A), colour if shape.colour or own is None else own)
+        for mesh, own in parts
+    ]
 
 
-def _mesh_colour(mesh):
-    """The one colour of a mesh that has its own, or None."""
-    visual = mesh.visual
-    if not visual.defined:
-        return None
-    try:
-        return tuple(float(x) / 255 for x in np.asarray(visual.main_color)[:3])
-    except (AttributeError, TypeError, ValueError):
-        return None
+def _sharp(mesh):
+    """The surface of a `trimesh.Trimesh`, its edges sharp."""
+    return forms.sharp(np.asarray(mesh.vertices, float), np.asarray(mesh.faces))
 
 
 def _placed(part, form, position, A):
@@ -165,9 +188,7 @@ def _solids(name, body, colour, size):
             surface = forms.moved(forms.sphere(), position, A, 3 * [DOT * size])
         elif solid.kind == "mesh":
             mesh = load_mesh(form.file, form.scale)
-            surface = forms.moved(
-                forms.sharp(np.asarray(mesh.vertices, float), np.asarray(mesh.faces)), position, A
-            )
+            surface = forms.moved(_sharp(mesh), position, A)
         else:
             surface = _placed(solid, form, position, A)
         found.append(Piece(name, surface, colour))

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from ..run.states import States
 from ..scene import SceneData
 from . import forms, glb
-from .contents import Link, Piece, links, pieces
+from .contents import Link, Piece, check_meshes, links, pieces
 from .motion import Motion, motion, up_axis, upright
 
 # of the scene's size: motions below are rounding
@@ -207,6 +207,7 @@ def picture(scene, states, rows=None) -> Picture:
 
     Raises ValueError where a mesh cannot be read.
     """
+    check_meshes(scene)
     moves = motion(scene, states, rows)
     size = _size(scene, moves)
     return Picture(scene, states, moves, size, pieces(scene, size), links(scene, size))

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ..arguments import URDF, add_command, add_urdf
-from ..paths import load_scene
+from ..paths import check_looks, load_scene
 from ..terminal import doing_here, note, out
 
 
@@ -37,7 +37,9 @@ def _check_fmu(path):
 
 def _check_scene(path, options):
     """Reads a scene and starts its motion. Raises SceneError, SimulationError."""
-    model = load_scene(path, options).compile()
+    scene = load_scene(path, options)
+    check_looks(path, scene)
+    model = scene.compile()
 
     from ...run.instance import Instance
 

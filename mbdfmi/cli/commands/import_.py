@@ -9,6 +9,8 @@ from ..paths import load_scene, writable
 from ..tables import count
 from ..terminal import doing, err, note, out
 
+NO_ROBOT = "is a scene file already; import reads robots (URDF)"
+
 
 def add(commands):
     """The command and its arguments."""
@@ -50,6 +52,9 @@ def run(options):
     """Writes the scene, and tells what was decided and left out."""
     from ...scene import write_scene
 
+    if Path(options.file).suffix.lower() == ".toml":
+        raise ValueError(f"{options.file}: {NO_ROBOT}")
+
     path = writable(options.output or Path(options.file).with_suffix(".toml").name, [options.file])
     check_ending(path, "a scene is to be written", ".toml")
 
@@ -60,7 +65,7 @@ def run(options):
     scene = load_scene(options.file, options)
 
     if not scene.imported:
-        raise ValueError(f"{options.file}: is a scene file already; import reads robots (URDF)")
+        raise ValueError(f"{options.file}: {NO_ROBOT}")
 
     note(f"{options.file}: {text}" for text in scene.notices)
 

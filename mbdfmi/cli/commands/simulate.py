@@ -1,7 +1,7 @@
 """mbdfmi simulate: a run in process."""
 
 from ..arguments import add_command, add_result_files, add_scene, add_settings, add_view
-from ..paths import load_scene, result_files, view_file
+from ..paths import check_looks, load_scene, result_files, view_file
 from ..settings import settings_of
 from ..show_results import show
 from ..terminal import time_bar
@@ -47,6 +47,10 @@ def run(options):
     csv, plot = result_files(options, options.scene)
     shown = view_file(options.view, options.at, options.scene, csv, plot)
     scene = load_scene(options.scene, options)
+
+    if shown:
+        check_looks(options.scene, scene)
+
     model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
 

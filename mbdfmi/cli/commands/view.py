@@ -2,7 +2,7 @@
 
 from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
-from ..paths import load_scene, view_file
+from ..paths import check_looks, load_scene, view_file
 from ..settings import settings_of
 from ..terminal import doing_here, err, note, out
 
@@ -34,7 +34,9 @@ boxes of equal inertia, with sticks from joint to joint. For a motion: mbdfmi si
 def run(options):
     """Assembles it and shows it."""
     path = view_file(options.output, None, options.scene)
-    model = load_scene(options.scene, options).compile()
+    scene = load_scene(options.scene, options)
+    check_looks(options.scene, scene)
+    model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
 
     from ...view.show import at_start, show
