@@ -353,6 +353,69 @@ point_on_surface = {}
 between = ["ground.ring", "follower"]
 """
 
+LED = """\
+name = "led"
+
+[ground]
+marker.bowl = { surface = { ellipsoid = { semi_axes = [2, 1.5, 1] } } }
+marker.track = { curve = { circle = { radius = 1 } } }
+marker.road = { surface = { plane = {} } }
+
+[body.platform]
+mass = 1
+inertia = [1, 1, 1]
+
+[body.car]
+mass = 1
+inertia = [1, 1, 1]
+marker.skin = { surface = { ellipsoid = { semi_axes = [0.1, 0.2, 0.1] } } }
+
+[body.wheel]
+mass = 1
+inertia = [1, 1, 1]
+marker.edge = { surface = { disk = { radius = 0.5 } } }
+
+[joint.move]
+prescribed = {}
+between = ["ground", "platform"]
+start = { position = [0, 0, 1], zyx_deg = [0, 20, 0] }
+output = ["position", "zyx", "driver_force", "driver_torque"]
+
+[joint.move.driver]
+x = { harmonic = { amplitude = 0.1, frequency = 1 } }
+y = { ramp = { time = [0, 1], position = [0, 1] } }
+z = { input = ["position"] }
+yaw = { table = { time = [0, 1, 2], position_deg = [0, 10, 0] } }
+pitch = { hold = true }
+roll = { constant_speed_deg = 5 }
+
+[joint.drive]
+frame_on_curve = { side = "z", spin = "free" }
+between = ["ground.track", "car"]
+driver = { speed_table = { time = [0, 1], speed = [0, 1] } }
+start = { s = 0.5 }
+output = ["s", "effort", "driver_power"]
+
+[joint.float]
+free = {}
+between = ["platform", "wheel"]
+
+[joint.car]
+free = {}
+between = ["ground", "car"]
+
+[joint.slide]
+surface_on_surface = {}
+between = ["ground.bowl", "car.skin"]
+start = { s = [0, 0.5] }
+output = ["s", "contact_point", "normal_force"]
+
+[joint.roll]
+rolling_surface = {}
+between = ["ground.road", "wheel.edge"]
+output = ["s_rate", "friction_force"]
+"""
+
 LOOKS = """\
 name = "looks"
 
@@ -399,7 +462,7 @@ output = ["angle"]
 
 GOOD = {
     "arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS,
-    "shapes": SHAPES, "looks": LOOKS,
+    "shapes": SHAPES, "led": LED, "looks": LOOKS,
 }
 
 

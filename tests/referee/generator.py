@@ -62,6 +62,7 @@ FOCUS = {
     "added mass": {"family": "loose", "forces": (1, 3), "force kinds": {"linear": 1}, "added mass": 0.9},
     "outputs": {"outputs": {"all": 1}, "forces": (1, 3), "measures": (1, 2), "loops": (0, 1)},
     "ground": {"ground": 1.0, "forces": (0, 2)},
+    "led": {"led": 1, "family": "loose", "loops": (0, 0), "couplings": (0, 1)},
 }
 
 
@@ -121,6 +122,7 @@ def _taste(dice, size, focus, start):
         "friction": 0.12, "stop": 0.2, "input": dice.pick([0.0, 0.2, 0.5]), "forces": (0, 1 + n // 3),
         "force kinds": forces.KINDS, "added mass": 0.4, "ground": 0.4, "grounds": motions.GROUND,
         "measures": (0, dice.pick([0, 1, 2])), "central": 0.05, "outputs": {"all": 2, "some": 3, "few": 2},
+        "led": 0,
     }
     return taste | {key: value for key, value in FOCUS.get(focus, {}).items() if key in taste}
 
@@ -146,6 +148,8 @@ def _scene(dice, taste, seed):
     site = (far, 0.0, 0.0) if far and motion is None else (0.0, 0.0, 0.0)
     mechanism = Mechanism(dice, taste, pose, site, centre_free=not far, ground_moves=motion is not None)
 
+    later.lead(seed, mechanism, taste["led"] and dice.chance(0.5))
+
     while len(mechanism.body) < taste["size"]:
         mechanism.grow()
 
@@ -158,6 +162,7 @@ def _scene(dice, taste, seed):
     for _ in range(dice.whole(*taste["loops"])):
         mechanism.close()
 
+    later.close(seed, mechanism, taste["led"])
     mechanism.hold_drivers()
 
     for _ in range(dice.whole(*taste["couplings"])):
@@ -274,7 +279,10 @@ def _joint(dice, mechanism, joint, v, taste, teller):
 
 def _start(dice, mechanism, joint, v, sort):
     """What is written of a joint's start."""
-    if joint.kind in kinds.CONTACTS:
+    if joint.led:
+        return dict(joint.q)
+
+    if joint.kind in kinds.CONTACTS + kinds.TOUCHING:
         return dict(joint.q) if dice.chance(0.7) else {}
 
     if not joint.q or joint.says == "" or sort == "none":

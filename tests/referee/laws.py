@@ -302,11 +302,17 @@ def mass_and_gravity(scene, plan):
     return np.array([mass for mass, _ in found]), np.array([gravity for _, gravity in found])
 
 
+def drivers(data):
+    """The drivers of joints, of prescribed ones each of theirs."""
+    found = [(joint, joint["driver"]) for joint in data.get("joint", {}).values() if joint.get("driver")]
+    return [one for joint, driver in found for one in (driver.values() if "prescribed" in joint else [driver])]
+
+
 def jumps(data):
     """s, when tables of positions may make speeds jump, which no integral sees:
     everywhere where they are straight, and at their ends but where smooth ones stand still there.
     """
-    tables = [joint.get("driver", {}).get("table") for joint in data.get("joint", {}).values()]
+    tables = [driver.get("table") for driver in drivers(data)]
     tables.append(data.get("ground", {}).get("motion", {}).get("table"))
     found = set()
 

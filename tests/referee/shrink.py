@@ -18,7 +18,7 @@ COLUMNS = ("time", "speed", "length", "position", "position_deg", "frequency", "
 def toml(data: dict) -> str:
     """A scene as the text of a TOML file, written as it is: `tomllib` gives the same dict back."""
     lines = []
-    writer._write_table(lines, [], data)
+    writer._write_table(lines, [], data, {})
     return "\n".join(lines).lstrip("\n") + "\n"
 
 

@@ -47,7 +47,8 @@ def kept(data, run):
             if values is None or moved:
                 continue
 
-            wanted = wanted[: len(values)]  # in a plane there is no z
+            # in a plane there is no z; of two surfaces that touch the first one's parameters are given
+            wanted, values = wanted[: len(values)], values[: len(wanted)]
             off = _off(quantity, values, wanted, first, fmi_name(name))
             allowed = NEAR * max(1.0, np.nanmax(np.abs(wanted)))
 

@@ -33,6 +33,11 @@ JOINT = {
     "point_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
     "frame_on_curve": ["s", "s_rate", "tangent", "binormal", "normal"],
     "frame_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
+    "surface_on_surface": ["s", "s_rate", "contact_point", "normal_force"],
+    "rolling_surface": ["s", "s_rate", "contact_point", "normal_force", "friction_force"],
+    "prescribed": [
+        "position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega", "driver_force", "driver_torque",
+    ],
 }
 SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}
 SIX = ["force", "moment", "displacement", "rotation", "power"]

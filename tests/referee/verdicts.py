@@ -15,6 +15,7 @@ from mbdfmi.scene import SceneError
 from . import commands, compare, dependence, draws, exactness, laws, route, starts
 from . import plan as plans
 from .findings import Count, Finding
+from .independent import unknown
 from .ways import TIGHT, Libraries, Way, model_of, run
 
 LIGHT = 1e-5  # parts of the heaviest
@@ -238,6 +239,10 @@ def has_light_parts(scene):
 
 
 def _second_route(data, plan, reference, exact, verdict):
+    if unknown(data):
+        verdict.count.add("with joints that the second route does not know")
+        return
+
     try:
         verdict.findings += route.agrees(data, plan, reference, exact, verdict.count)
     except Exception:
@@ -270,8 +275,8 @@ def _starts_elsewhere(data, run, of):
 
 def _commanded(data):
     """Whether inputs command motions."""
-    motions = [joint.get("driver", {}) for joint in data.get("joint", {}).values()]
-    return any("input" in motion for motion in [*motions, data.get("ground", {}).get("motion", {})])
+    motions = [*laws.drivers(data), data.get("ground", {}).get("motion", {})]
+    return any("input" in motion for motion in motions)
 
 
 def kinked(data):

@@ -17,6 +17,16 @@ from .starts import motions_at_start
 COUPLINGS = ("gear", "rack", "screw", "linear")
 
 
+def unknown(data):
+    """Names of the joints of a scene that this route has no equations for."""
+    return [
+        name
+        for name, table in data.get("joint", {}).items()
+        if not any(kind in table for kind in joints.KINDS)
+        or (table.get("driver") and not any(kind in table for kind in joints.SINGLE))
+    ]
+
+
 class Joint:
     """A joint of the scene: its kind and options, what acts in it, its driver."""
 

@@ -34,6 +34,7 @@ CONSTRAINTS = (
 CONTACTS = CONSTRAINTS[-3:]
 MOVING = [kind for kind in TREE if kind != "fixed"]
 ONE = ("revolute", "prismatic")
+TOUCHING = ("surface_on_surface", "rolling_surface")
 
 
 @dataclass
@@ -74,6 +75,11 @@ class Drawn:
     def driven(self):
         """Whether it has a driver."""
         return "driver" in self.table
+
+    @property
+    def led(self):
+        """Whether a driver leads it along what is no coordinate of its own: a curve, or all six freedoms."""
+        return self.driven and self.kind not in ONE
 
     @property
     def value(self):
@@ -231,13 +237,13 @@ def _above(dice):
 def _rolling_sphere(dice, size):
     radius, side = dice.number(0.1, 0.6), _above(dice)
     r = np.array([*dice.vector(0.5, 2), side * radius])
-    rows = _rolls(np.array([0, 0, -side * radius]))
+    rows = rolls(np.array([0, 0, -side * radius]))
     return Drawn(
         "rolling_sphere", {"rolling_sphere": {"radius": radius}}, {}, (r, _anywhere(dice)), rows=rows
     )
 
 
-def _rolls(arm):
+def rolls(arm):
     """Rows of v + w x arm = 0."""
     return np.array([[*np.cross(arm, e), *e] for e in np.eye(3)])
 
@@ -254,7 +260,7 @@ def _rolling_disk(dice, size):
     down = unit(-np.array([0, 0, 1.0]) + n * n[2]) * radius * side
     options = {"radius": radius} | ({} if isinstance(written, str) and written == "z" else {"axis": written})
     r = np.array([*dice.vector(0.5, 2), -down[2]])
-    return Drawn("rolling_disk", {"rolling_disk": options}, {}, (r, A), rows=_rolls(down))
+    return Drawn("rolling_disk", {"rolling_disk": options}, {}, (r, A), rows=rolls(down))
 
 
 def _knife_edge(dice, size):
@@ -287,8 +293,8 @@ def _angle(dice, size):
     return Drawn("angle", {"angle": options}, {}, (np.array(dice.vector(0.8)), A), rows=rows)
 
 
-def _point_on_curve(dice, size):
-    curve = shapes.curve(dice)
+def _point_on_curve(dice, size, curve=None):
+    curve = curve or shapes.curve(dice)
     rows = sliding(*plane_axes(unit(curve.t))[:, :2].T)
     return Drawn(
         "point_on_curve", {"point_on_curve": {}}, {"s": curve.s}, (curve.r, _anywhere(dice)), rows=rows,
@@ -340,18 +346,27 @@ def _framed(dice, kind, shape, r, E, turns, steps, spin, options):
     return Drawn(kind, {kind: options}, {"s": shape.s}, (r, E), rows=rows, shapes=({key: shape.table}, {}))
 
 
+def with_driver(joint):
+    """The rows of a joint on a curve whose parameter is driven: only a spin that is free is left."""
+    spin = joint.pose[1][:, :1].T
+    free = next(iter(joint.table.values())).get("spin") == "free"
+    return null_space(turning(*spin)).T if free else np.eye(6)
+
+
 def _turn_of(E, change):
     """The rate (3,) of a frame E whose columns change so."""
     return 0.5 * np.cross(E.T, change.T).sum(axis=0)
 
 
-def _frame_on_curve(dice, size):
-    shape = shapes.curve(dice)
+def _frame_on_curve(dice, size, shape=None):
+    shape = shape or shapes.curve(dice)
     D = curves.Curve(shape.table).derivatives
     points = next(iter(shape.table.values())).get("points")
     flat = points is None or np.ptp([[*p, 0.0][2] for p in points]) < 1e-9
     side = [dice.number(-0.3, 0.3), dice.number(-0.3, 0.3), 1.0] if not flat or dice.chance(0.4) else None
     options = {} if side is None else {"side": side}
+    if flat and side is None and dice.chance(0.2):
+        options["side"] = "z"
 
     def frame(s):
         t = D(s)[1]

@@ -3,12 +3,13 @@
 import numpy as np
 
 from ..independent.mass import mass_properties
-from . import inside, kinds, looks
+from . import inside, kinds, led, looks
 from .dice import Dice
 
 
 def add(seed, mechanism, forces, gravity):
-    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, meshes to solids."""
+    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, surfaces to the ground that
+    nothing touches, meshes to solids."""
     dice = Dice(seed, 1)
 
     for joint in mechanism.joints:
@@ -21,7 +22,35 @@ def add(seed, mechanism, forces, gravity):
     if "central_gravity" in gravity and dice.chance(0.9):
         gravity["central_gravity"]["gradient"] = dice.chance(0.6)
 
+    dice = Dice(seed, 6)
+    for marker in mechanism.ground_marker.values():
+        if "surface" not in marker and dice.chance(0.04):
+            marker["surface"] = dice.pick([{"disk": {"radius": 0.2}}, {"ellipsoid": {"semi_axes": [0.3, 0.2, 0.1]}}])
+
     looks.add_solid(Dice(seed, 3), mechanism)
+
+
+def lead(seed, mechanism, least):
+    """Maybe a body that moves as prescribed, where there is room for others."""
+    dice = Dice(seed, 4)
+
+    if mechanism.taste["size"] > 1 and (least or dice.chance(0.07)):
+        _by(dice, mechanism, lambda: mechanism.add_body(led.prescribed(dice)))
+
+
+def close(seed, mechanism, least):
+    """Maybe a loop by surfaces that touch, or along a curve with a driver; at least so many."""
+    dice = Dice(seed, 5)
+
+    for _ in range(max(least, dice.chance(0.25))):
+        _by(dice, mechanism, lambda: mechanism.close(led.CLOSING, led.draw))
+
+
+def _by(dice, mechanism, do):
+    """Does something with a mechanism by other dice than its own."""
+    own, mechanism.dice = mechanism.dice, dice
+    do()
+    mechanism.dice = own
 
 
 def _turn(dice, mechanism, joint):

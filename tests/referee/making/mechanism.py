@@ -17,7 +17,8 @@ class Mechanism:
     : of the same, a dict from each velocity coordinate to its twist (6,): angular velocity, and velocity at
     the inertial origin, inertial axes.
     site : m, by which all on the ground is shifted; centre_free : whether bodies may be at the inertial
-    origin; roots : of the owners, "ground" or "inertial", which are one where the ground rests.
+    origin; roots : of the owners, "ground" or "inertial", which are one where the ground rests, or a
+    body that moves as prescribed.
     rows, rates : what velocities v must obey, rows @ v = rates (None where a rate is not known).
     """
 
@@ -90,7 +91,7 @@ class Mechanism:
             self.n += 1
 
         self.paths[name] = path
-        self.roots[name] = self.roots[parent]
+        self.roots[name] = name if joint.led else self.roots[parent]
         return name
 
     def _somewhere(self, owner):
@@ -210,8 +211,10 @@ class Mechanism:
 
     def still(self, joint):
         """0.0 where what the rows of a joint see rests while the bodies do,
-        None where the ground's motion is in between."""
+        None where a motion that is prescribed is in between."""
         a, b = joint.owners
+        if joint.led:
+            return None
         return 0.0 if self.roots[a] == self.roots[b] else None
 
     def freedom(self):
@@ -246,17 +249,17 @@ class Mechanism:
             off = self.dice.pick([1e-6, 1e-5, 3e-5]) if self.dice.chance(self.taste["off axis"]) else 0.0
             self._close(joint, owner, base, near, None, expected=2, off=off)
 
-    def close(self):
-        """A loop between two bodies by a joint of any kind,
+    def close(self, cuts=None, draw=kinds.draw):
+        """A loop between two bodies by a joint of any kind, or of those of `cuts`,
         if one of some tries leaves a mechanism that moves."""
         dice = self.dice
 
         for attempt in range(16):
             # a kind is given up where it does not fit in four places
             if attempt % 4 == 0:
-                kind = dice.weighted(self.taste["cuts"])
+                kind = dice.weighted(cuts or self.taste["cuts"])
 
-            joint = kinds.draw(dice, kind, self._range())
+            joint = draw(dice, kind, self._range())
             rest = dice.chance(0.1) and self.centre_free and not any(joint.shapes)
             owners = [*self.body, "ground"] + (["inertial"] if rest else [])
             a, b = dice.some(owners, 2)[:2]
@@ -325,7 +328,7 @@ class Mechanism:
         for joint in self.joints:
             least = 0 if self.dice.chance(0.2) else 1
             rate = joint.rate if self.still(joint) is not None else None
-            if joint.driven and not self.restrict(self.row(joint)[None], [rate], least, locks=True):
+            if joint.driven and not joint.led and not self.restrict(self.row(joint)[None], [rate], least, locks=True):
                 del joint.table["driver"]
                 joint.rate, joint.says = None, "all"
 

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .frames import plane_axes, unit
+from ..independent import curves
+from .frames import orientation, plane_axes, unit
 
 
 class Curve(NamedTuple):
@@ -149,9 +150,18 @@ def surface(dice, kind=None):
     if kind == "cylinder":
         return Surface({"cylinder": {"radius": R}}, [a, b], R * across + b * up, across)
 
+    if kind == "ellipsoid":
+        return _ellipsoid(dice, a, b)
+
     tube = round(R * dice.number(0.2, 0.6), 3)
     n = np.cos(b) * across + np.sin(b) * up
     return Surface({"torus": {"radius": R, "tube": tube}}, [a, b], R * across + tube * n, n)
+
+
+def _ellipsoid(dice, a, b):
+    axes = np.array(dice.numbers(3, 0.6, 1.3))
+    e = np.array([np.cos(b) * np.cos(a), np.cos(b) * np.sin(a), np.sin(b)])
+    return Surface({"ellipsoid": {"semi_axes": axes.tolist()}}, [a, b], axes * e, e / axes)
 
 
 def _through_grid(dice):
@@ -189,6 +199,63 @@ def touching(dice):
             # the point of touch is well defined where the curves bend away from each other
             if abs(bend) > 0.4:
                 return first, second, (first.r - A @ second.r, A)
+
+
+FIRST = {"plane": 2, "sphere": 1.2, "ellipsoid": 2.5, "cylinder": 1, "torus": 1, "prism": 1, "table": 1}
+SECOND = {"sphere": 1, "ellipsoid": 1.6, "disk": 2, "torus": 1.4}
+# of prisms that bend more than this, 1/m, nothing touches the hollow side
+BENT = 0.8
+
+
+def touching_surfaces(dice):
+    """Two surfaces that touch: (first `Surface`, the table of the second, pose of the second's frame in the first's,
+    (3,) m from its origin to where they touch, in the first's axes)."""
+    first = surface(dice, dice.weighted(FIRST))
+    n = _side(dice, first) * unit(first.n)
+    table, support = _round(dice)
+    A = orientation(dice)[1]
+
+    # not flat on the plane of a disk or of a torus
+    while np.linalg.norm((A.T @ n)[:2]) < 0.3:
+        A = orientation(dice)[1]
+
+    arm = A @ support(-A.T @ n)
+    return first, table, (first.r - arm, A), arm
+
+
+def _side(dice, first):
+    """1 or -1: on which side of a surface, along its normal, another one may touch it."""
+    kind, options = next(iter(first.table.items()))
+
+    if kind in ("torus", "ellipsoid"):
+        return 1.0
+
+    if kind == "prism":
+        d = curves.Curve(options["profile"]).derivatives(first.s[0])
+        bend = np.cross(d[1], d[2])[2] / np.linalg.norm(d[1]) ** 3
+
+        # the normal points to the right of the profile
+        if abs(bend) > BENT:
+            return float(np.sign(bend))
+
+    return 1.0 if dice.chance(0.7) else -1.0
+
+
+def _round(dice):
+    """(table, point (3,) whose outward normal is a direction (3,)) of a surface that is round outwards."""
+    kind, R, tube = dice.weighted(SECOND), dice.number(0.1, 0.3), 0.0
+
+    if kind in ("sphere", "ellipsoid"):
+        axes = [R] * 3 if kind == "sphere" else dice.numbers(3, 0.12, 0.25)
+        squares = np.square(axes)
+        options = {"radius": R} if kind == "sphere" else {"semi_axes": axes}
+        return {kind: options}, lambda d: squares * d / np.linalg.norm(axes * d)
+
+    if kind == "torus":
+        tube = round(0.4 * R, 3)
+
+    options = {"radius": R} | ({"tube": tube} if tube else {})
+    return {kind: options}, lambda d: R * unit(d * [1, 1, 0]) + tube * unit(d)
 
 
 def frame_on(surface_normal):

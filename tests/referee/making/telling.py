@@ -13,11 +13,16 @@ JOINT = {
     "translation": ("position", "velocity"),
     "spherical": ("euler_parameters", "zyx", "zyx_rate", "omega", "alpha"),
     "free": ("position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"),
-    "point_on_curve": ("s", "s_rate", "tangent"),
+    "point_on_curve": ("s", "s_rate", "tangent", "binormal", "normal"),
     "curve_on_curve": ("s", "s_rate", "tangent", "binormal", "normal"),
     "point_on_surface": ("s", "s_rate", "tangent", "binormal", "normal"),
     "frame_on_curve": ("s", "s_rate", "tangent", "binormal", "normal"),
     "frame_on_surface": ("s", "s_rate", "tangent", "binormal", "normal"),
+    "surface_on_surface": ("s", "s_rate", "contact_point", "normal_force"),
+    "rolling_surface": ("s", "s_rate", "contact_point", "normal_force", "friction_force"),
+    "prescribed": (
+        "position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega", "driver_force", "driver_torque",
+    ),
 }
 EFFORTS = {part: f"{part}_effort" for part in ("spring", "damper", "friction", "stop", "input")}
 SCENE = (
@@ -58,6 +63,8 @@ class Teller:
         if joint.kind in ("revolute", "prismatic"):
             options += [output for part, output in EFFORTS.items() if table.get(part)]
             options += ["effort", "driver_effort"] if joint.driven else []
+        if joint.led and joint.kind != "prescribed":
+            options += ["effort", "driver_power"]
         if joint.kind != "free":
             options += REACTIONS
 
