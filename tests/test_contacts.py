@@ -398,7 +398,10 @@ def test_energy_and_momentum_of_moving_bodies(contact, shape, end):
         "constraint_rate",
     ]
     scene = moving_scene(contact, shape, end, gravity=[0, 0, 0], output=output)
-    results = simulate(compile_scene(scene), until=0.5, step=0.05)
+    # an open spline goes on straight beyond its ends (here after 0.22 s): its curvature jumps there, and with it how fast what is held
+    # to its frame turns, which takes energy
+    until = 0.2 if contact == "frame_on_curve" and "table" in shape["curve"] else 0.5
+    results = simulate(compile_scene(scene), until=until, step=0.05)
     energy = results["kinetic_energy"]
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
 

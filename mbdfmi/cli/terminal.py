@@ -22,6 +22,12 @@ class _Terminal:
     def __getattr__(self, name):
         return getattr(self.console, name)
 
+    def __enter__(self):
+        return self.console.__enter__()
+
+    def __exit__(self, *raised):
+        return self.console.__exit__(*raised)
+
 
 out = _Terminal()
 err = _Terminal(stderr=True)

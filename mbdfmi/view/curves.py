@@ -1,7 +1,7 @@
 """Curves and surfaces of end frames as points to draw, in the axes of their marker."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline, RectBivariateSpline
+import scipy  # which imports its parts when they are asked for
 
 from . import forms
 
@@ -16,7 +16,9 @@ def curve_points(curve, reach):
     """
     if curve.kind in ("spline", "table"):
         ends = "periodic" if curve.closed else "not-a-knot"
-        return CubicSpline(curve.s, curve.points, bc_type=ends)(np.linspace(curve.s[0], curve.s[-1], FINE))
+        return scipy.interpolate.CubicSpline(curve.s, curve.points, bc_type=ends)(
+            np.linspace(curve.s[0], curve.s[-1], FINE)
+        )
 
     s = np.linspace(-1.0, 1.0, FINE)
     if curve.kind == "circle":
@@ -56,7 +58,9 @@ def _table(shape, reach):
     s1, s2, points = np.array(shape.s1), np.array(shape.s2), np.asarray(shape.points)
     fine = np.linspace(s1[0], s1[-1], ACROSS), np.linspace(s2[0], s2[-1], ACROSS)
     return forms.grid(
-        np.stack([RectBivariateSpline(s1, s2, points[:, :, k])(*fine) for k in range(3)], axis=2)
+        np.stack(
+            [scipy.interpolate.RectBivariateSpline(s1, s2, points[:, :, k])(*fine) for k in range(3)], axis=2
+        )
     )
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # which imports its parts when they are asked for
 
 from ..scene.fields import unit_vector
 
@@ -29,7 +29,7 @@ class Motion:
     def point(self, body, r):
         """(n, 3): where a point (3,) of a body is."""
         k = self.bodies.index(body)
-        return self.r[:, k] + Rotation.from_quat(self.q[:, k]).apply(r)
+        return self.r[:, k] + scipy.spatial.transform.Rotation.from_quat(self.q[:, k]).apply(r)
 
     def far_turns(self):
         """Bodies that turn so far from row to row that what is between is not seen."""
@@ -59,7 +59,11 @@ def motion(scene, states, rows=None) -> Motion:
         r = np.einsum("nji,nbj->nbi", base[1], r - base[0][:, None])
         A = np.einsum("nji,nbjk->nbik", base[1], A)
 
-    q = Rotation.from_matrix(A.reshape(-1, 3, 3)).as_quat().reshape(len(rows), len(bodies), 4)
+    q = (
+        scipy.spatial.transform.Rotation.from_matrix(A.reshape(-1, 3, 3))
+        .as_quat()
+        .reshape(len(rows), len(bodies), 4)
+    )
     return Motion(states.time[rows], bodies, r, _without_jumps(q), base)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # which imports its parts when they are asked for
 
 from ..run.states import States
 from ..scene import SceneData
@@ -82,7 +82,7 @@ class Picture:
     def ends_axis(self, axis):
         """(3,) the direction, at the first time, of an axis (a table with body and axis)."""
         k = self.moves.bodies.index(axis["body"])
-        return Rotation.from_quat(self.moves.q[0, k]).apply(axis["axis"])
+        return scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, k]).apply(axis["axis"])
 
     def carriers(self):
         """body -> the body that it is fixed to and moves with; one that carries is its own."""
@@ -98,7 +98,7 @@ class Picture:
         packs smaller.
         """
         rounded = _exact if full else _rounding
-        root = glb.Node(self.title, q=Rotation.from_matrix(self.root).as_quat())
+        root = glb.Node(self.title, q=scipy.spatial.transform.Rotation.from_matrix(self.root).as_quat())
         nodes, carriers = {}, self.carriers()
 
         for k, body in enumerate(self.moves.bodies):
@@ -154,9 +154,9 @@ class Picture:
 
     def _fixed(self, carrier, k):
         """(r, q) of body k in the one that it is fixed to."""
-        turn = Rotation.from_quat(self.moves.q[0, carrier]).inv()
+        turn = scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, carrier]).inv()
         r = turn.apply(self.moves.r[0, k] - self.moves.r[0, carrier])
-        return r, (turn * Rotation.from_quat(self.moves.q[0, k])).as_quat()
+        return r, (turn * scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, k])).as_quat()
 
     def ends(self, end):
         """(n, 3): where an end is, in the picture's frame."""
@@ -188,13 +188,13 @@ class Picture:
         """
         for piece in self.pieces:
             k = moves.bodies.index(piece.body)
-            A = Rotation.from_quat(moves.q[0, k]).as_matrix()
+            A = scipy.spatial.transform.Rotation.from_quat(moves.q[0, k]).as_matrix()
             yield forms.moved(piece.surface, moves.r[0, k], A), piece.colour, piece.opacity
 
         still = replace(self, moves=moves)
         for link in self.links:
             node = still._link(link, _exact)
-            A = Rotation.from_quat(node.q).as_matrix()
+            A = scipy.spatial.transform.Rotation.from_quat(node.q).as_matrix()
             yield forms.moved(forms.cylinder(), node.r, A, node.scale), link.colour, 1.0
 
     def glb(self) -> bytes:

@@ -36,7 +36,7 @@ UNSEEN = 3.0
 
 # the tolerance of a step past a singular position, where what rounding and the stages' errors make of the rows is large: nothing is
 # gained by less. What a row adds to the others there, and beside what it adds elsewhere in the step; or alone (docs/theory.md 18.4)
-ATTAINABLE = 1e-9
+ATTAINABLE = 2e-10
 SINGULAR = 1e-4
 PASSING = 0.1
 NOTHING = 1e-7
