@@ -103,6 +103,14 @@ def test_states_give_what_outputs_gave():
     np.testing.assert_allclose(yaw_pitch_roll, results["platform.zyx"], atol=1e-12)
 
 
+@pytest.mark.parametrize(("wrong", "right"), [("lowr", "lower"), ("lower.hnd", "lower.hand")])
+def test_poses_of_what_is_not_there_name_what_is(wrong, right):
+    results = mbdfmi.load("models/two_link_arm.toml").simulate(0.01)
+
+    with pytest.raises(KeyError, match=f"no body or marker '{wrong}'.*{right}"):
+        results.poses(wrong)
+
+
 def test_commanded_motion_is_drawn_where_it_was():
     scene = mbdfmi.Scene(
         name="lift",

@@ -84,7 +84,18 @@ class Results(Mapping):
         if self.states is None:
             raise ValueError("these are columns alone, without the states of a run: no poses are known")
 
-        r, A = self.states.poses([end])
+        try:
+            r, A = self.states.poses([end])
+        except KeyError:
+            scene = self.states.model.scene
+            holders = {"ground": scene.ground, **scene.body}
+            ends = [
+                *holders,
+                "inertial",
+                *(f"{n}.{m}" for n, holder in holders.items() for m in holder.marker),
+            ]
+            raise KeyError(f"no body or marker {end!r}; {hint(end, ends)}") from None
+
         return r[:, 0], scipy.spatial.transform.Rotation.from_matrix(A[:, 0]).as_quat()
 
     @classmethod

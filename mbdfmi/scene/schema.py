@@ -195,5 +195,5 @@ class SceneData(Part):
         return holder.marker[name]
 
     def to_toml(self):
-        """The scene as the text of a TOML file."""
+        """The scene as the text of a TOML file; names of mesh files as they are, from the folder it was in."""
         return toml_text(self)
