@@ -12,7 +12,8 @@ MET = 1e-7  # of the largest position; steps as unequal as 1 to 10,000 leave no 
 KNOWN = 6  # steps after which a cubic is known, and is seen to be the best of all orders
 STRAIGHT = 1e-7  # of the largest position
 
-OUTPUT = {"position_command": "position", "angle_command": "angle"}
+OUTPUT = {"position_command": "position", "angle_command": "angle", "s_command": "s"}
+SPEEDS = ("speed_command", "s_rate_command")
 ACTS = ("damper", "spring", "friction", "stop", "input", "driver")
 
 
@@ -30,7 +31,7 @@ def met(plan, run):
         owner, _, quantity = name.rpartition(".")
         output = f"{owner}.{OUTPUT.get(quantity)}"
 
-        if output not in columns or signal.told or f"{owner}.speed_command" in plan.signals:
+        if output not in columns or signal.told or any(f"{owner}.{speed}" in plan.signals for speed in SPEEDS):
             continue
 
         for row in rows:
