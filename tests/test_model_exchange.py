@@ -401,3 +401,40 @@ def test_commanded_motions_are_for_co_simulation_only(tmp_path):
     assert library.description.modelExchange is None and not model.exchanges
     fmu = Instance(library, kind=MODEL_EXCHANGE)
     assert fmu.component is None and "for co-simulation only" in fmu.message
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_round_surfaces(tmp_path, fmi):
+    """A ball in a bowl: the direction that its place on the bowl is read off belongs to the states."""
+    scene = Scene(
+        name="bowl",
+        ground={"marker": {"bowl": {"surface": {"sphere": {"radius": 2.0}}}}},
+        body={
+            "ball": {
+                "solid": {"sphere": {"radius": 0.2, "density": 1000.0}},
+                "marker": {"skin": {"surface": {"sphere": {"radius": 0.2}}}},
+                "output": ["position"],
+            }
+        },
+        joint={
+            "place": {
+                "free": {},
+                "between": ["ground", "ball"],
+                "start": {"position": [0.3, 0, -1.77]},
+            },
+            "roll": {"rolling_surface": {}, "between": ["ground.bowl", "ball.skin"]},
+        },
+    )
+    path = str(scene.export(tmp_path / "bowl.fmu", fmi=fmi) or tmp_path / "bowl.fmu")
+    assert not validate_fmu(path)
+    found = [
+        fmpy.simulate_fmu(
+            path, fmi_type=kind, stop_time=UNTIL, output_interval=0.01, relative_tolerance=1e-9
+        )
+        for kind in ("ModelExchange", "CoSimulation")
+    ]
+
+    rows = np.searchsorted(found[0]["time"], found[1]["time"] - 1e-9)  # events add rows
+
+    for name in found[0].dtype.names:
+        np.testing.assert_allclose(found[0][name][rows], found[1][name], atol=1e-6)
