@@ -28,7 +28,7 @@ KINDS = {
     schema.Name: "name",
     geometry.MeshName: "name of a file",
     geometry.Scale: "number, not 0, or 3 of them",
-    looks.Colour: "name of a CSS colour or `\"#rrggbb\"`",
+    looks.Colour: 'name of a CSS colour or `"#rrggbb"`',
     looks.Opacity: "number above 0, at most 1",
     looks.Line: "list of ends",
     looks.FrameName: "text",
@@ -177,7 +177,9 @@ def _told(validator):
         if any(getattr(item, "func", None) is function for item in typing.get_args(kind)[1:]):
             return words
 
-    cells = dict(zip(function.__code__.co_freevars, (cell.cell_contents for cell in function.__closure__ or ())))
+    cells = dict(
+        zip(function.__code__.co_freevars, (cell.cell_contents for cell in function.__closure__ or ()))
+    )
 
     if "options" in cells:
         listed = ", ".join(f'`"{option}"`' for option in cells["options"])

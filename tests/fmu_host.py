@@ -71,9 +71,7 @@ class Instance:
             location = (library.folder / "resources").as_uri().encode()
         given = byref(self.callbacks) if callbacks else None
         texts = c_char_p(guid or None), c_char_p(location or None)
-        self.component = library.dll.fmi2Instantiate(
-            c_char_p(name), kind, *texts, given, 0, int(logging)
-        )
+        self.component = library.dll.fmi2Instantiate(c_char_p(name), kind, *texts, given, 0, int(logging))
 
     def _logger(self, environment, name, status, category, message):
         self.log.append((status, category.decode(), message.decode()))
@@ -194,5 +192,3 @@ class Instance:
         snapshot = c_void_p()
         status = self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(snapshot))
         return status, snapshot
-
-

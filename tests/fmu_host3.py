@@ -47,13 +47,21 @@ class Instance:
     An empty token is passed as NULL; the default is the right one.
     """
 
-    def __init__(self, library, name=b"it", token=None, path=None, kind="CoSimulation", logging=True, extra=None):
+    def __init__(
+        self, library, name=b"it", token=None, path=None, kind="CoSimulation", logging=True, extra=None
+    ):
         self.library = library
         self.log = []
         self.logger = LOGGER(lambda _, *told: self.log.append((told[0], told[1].decode(), told[2].decode())))
         token = library.description.guid.encode() if token is None else token
         path = f"{library.folder / 'resources'}/".encode() if path is None else path
-        first = c_char_p(name), c_char_p(token or None), c_char_p(path or None), c_bool(False), c_bool(logging)
+        first = (
+            c_char_p(name),
+            c_char_p(token or None),
+            c_char_p(path or None),
+            c_bool(False),
+            c_bool(logging),
+        )
         own = extra or (c_bool(False), c_bool(False), None, c_size_t(0))
         last = {"ModelExchange": (), "CoSimulation": (None,), "ScheduledExecution": (None, None, None)}[kind]
         more = own if kind == "CoSimulation" else ()
@@ -146,5 +154,3 @@ class Instance:
         snapshot = c_void_p()
         status = self.call("fmi3DeserializeFMUState", data, c_size_t(len(data)), byref(snapshot))
         return status, snapshot
-
-

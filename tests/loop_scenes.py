@@ -114,7 +114,10 @@ def random_joint(kind, rng):
         pose = np.zeros(3), about(normal / np.linalg.norm(normal), q[3])
     elif kind == "angle":
         other = unit(rng)
-        options = {"axes": [axis.tolist(), other.tolist()], "angle_deg": np.degrees(np.arccos(axis @ turn @ other))}
+        options = {
+            "axes": [axis.tolist(), other.tolist()],
+            "angle_deg": np.degrees(np.arccos(axis @ turn @ other)),
+        }
         pose = q[:3], turn
     elif kind == "rolling_sphere":
         options = {"radius": rng.uniform(0.2, 1.0)}
@@ -139,7 +142,9 @@ def random_body(rng):
     }
 
 
-def random_loops(seed, loops, *, tree=tuple(TREE), couplings=0, elements=True, solver=None, freedoms=1, **tables):
+def random_loops(
+    seed, loops, *, tree=tuple(TREE), couplings=0, elements=True, solver=None, freedoms=1, **tables
+):
     """A random scene (a dict) with closed loops.
 
     loops : kinds of the joints that close them. tree : kinds of the joints of the tree, of which there are so many that
@@ -205,11 +210,19 @@ def random_loops(seed, loops, *, tree=tuple(TREE), couplings=0, elements=True, s
     } | tables
 
     if elements:
-        pair = [add_marker(str(owner), random_pose(rng)) for owner in rng.choice(list(poses), 2, replace=False)]
+        pair = [
+            add_marker(str(owner), random_pose(rng)) for owner in rng.choice(list(poses), 2, replace=False)
+        ]
         name = str(rng.choice(list(bodies)))
         scene["force"] = {
-            "strut": {"spring_damper": {"stiffness": 3.0, "damping": 0.5, "rest_length": 0.5}, "between": pair},
-            "load": {"load": {"force": rng.normal(size=3).tolist(), "moment": rng.normal(size=3).tolist()}, "on": name},
+            "strut": {
+                "spring_damper": {"stiffness": 3.0, "damping": 0.5, "rest_length": 0.5},
+                "between": pair,
+            },
+            "load": {
+                "load": {"force": rng.normal(size=3).tolist(), "moment": rng.normal(size=3).tolist()},
+                "on": name,
+            },
         }
 
     return scene

@@ -461,8 +461,14 @@ output = ["angle"]
 """
 
 GOOD = {
-    "arm": ARM, "barge": BARGE, "carriage": CARRIAGE, "drives": DRIVES, "loads": LOADS,
-    "shapes": SHAPES, "led": LED, "looks": LOOKS,
+    "arm": ARM,
+    "barge": BARGE,
+    "carriage": CARRIAGE,
+    "drives": DRIVES,
+    "loads": LOADS,
+    "shapes": SHAPES,
+    "led": LED,
+    "looks": LOOKS,
 }
 
 

@@ -29,11 +29,15 @@ def positive(seed, n=6):
 
 def water(A, axes=None, between=("ground", "hull"), **more):
     """A linear force with added mass."""
-    linear = {"added_mass": np.asarray(A).tolist()} | {key: np.asarray(value).tolist() for key, value in more.items()}
+    linear = {"added_mass": np.asarray(A).tolist()} | {
+        key: np.asarray(value).tolist() for key, value in more.items()
+    }
     return {"linear": linear | ({"axes": axes} if axes else {}), "between": list(between)}
 
 
-def hull_scene(forces, start=None, gravity=STILL, formulation="auto", tolerance=1e-11, marker=None, body=None, **more):
+def hull_scene(
+    forces, start=None, gravity=STILL, formulation="auto", tolerance=1e-11, marker=None, body=None, **more
+):
     """A body of 2 kg, its centre of mass off its origin, afloat; "first" marker "sea" of the ground where given."""
     hull = {"mass": 2.0, "com": [0.1, -0.2, 0.15], "inertia": [0.5, 0.7, 0.8], "marker": marker or {}}
     return mbdfmi.Scene.model_validate(
@@ -41,7 +45,9 @@ def hull_scene(forces, start=None, gravity=STILL, formulation="auto", tolerance=
             "name": "hull",
             "gravity": gravity,
             "solver": {"integrator": "rk853", "tolerance": tolerance, "formulation": formulation},
-            "body": {"hull": hull | {"output": ["position", "zyx", "velocity", "omega", "alpha"]} | (body or {})},
+            "body": {
+                "hull": hull | {"output": ["position", "zyx", "velocity", "omega", "alpha"]} | (body or {})
+            },
             "joint": {"afloat": {"free": {}, "between": ["ground", "hull"], "start": start or {}}},
             "force": forces,
             "output": ["total_energy", "kinetic_energy", "linear_momentum", "angular_momentum"],
@@ -62,7 +68,12 @@ def accelerations(scene):
 
 
 MARKER = {"p": {"position": [0.3, -0.25, 0.4], "zyx_deg": [35, -20, 50]}}
-MOVING = {"position": [0.2, 0.3, -0.1], "zyx_deg": [40, -25, 30], "velocity": [0.8, -0.5, 0.6], "omega": [0.4, 0.7, -0.9]}
+MOVING = {
+    "position": [0.2, 0.3, -0.1],
+    "zyx_deg": [40, -25, 30],
+    "velocity": [0.8, -0.5, 0.6],
+    "omega": [0.4, 0.7, -0.9],
+}
 
 
 # ---- Munk's moment
@@ -208,7 +219,9 @@ def test_momentum_of_fixed_axes():
 def test_a_ball_is_the_same_in_all_axes():
     """A = c 1: nothing turns. Deep in water or not, at a marker anywhere."""
     forces = {axes: {"water": water(1.7 * np.eye(6), axes, ("ground", "hull.p"))} for axes in AXES}
-    runs = [hull_scene(forces[axes], MOVING, [0, 1, -2], marker=MARKER).simulate(2, step=0.2) for axes in AXES]
+    runs = [
+        hull_scene(forces[axes], MOVING, [0, 1, -2], marker=MARKER).simulate(2, step=0.2) for axes in AXES
+    ]
 
     for run in runs[1:]:
         for name in ("hull.position", "hull.omega", "total_energy"):
@@ -221,7 +234,9 @@ def test_two_forces_on_one_body_add_up(axes):
     ends = ("ground", "hull.p")
     both = {"a": water(A, axes, ends), "b": water(B, axes, ends)}
     one = hull_scene({"c": water(A + B, axes, ends)}, MOVING, marker=MARKER)
-    assert_allclose(accelerations(hull_scene(both, MOVING, marker=MARKER)), accelerations(one), rtol=0, atol=1e-12)
+    assert_allclose(
+        accelerations(hull_scene(both, MOVING, marker=MARKER)), accelerations(one), rtol=0, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("axes", ["first", "heading"])
@@ -254,9 +269,15 @@ def test_in_the_bodys_axes_the_marker_does_not_matter():
 def test_formulations_agree(seed):
     """On trees with added mass in every system of axes, as the bodies' motion shows it."""
     scene = random_scene(50 + seed, 5)
-    bodies = {name: body.model_copy(update={"output": ["alpha", "acceleration"]}) for name, body in scene.body.items()}
+    bodies = {
+        name: body.model_copy(update={"output": ["alpha", "acceleration"]})
+        for name, body in scene.body.items()
+    }
     force = {
-        f"water {k}": {"linear": {"added_mass": positive(k).tolist(), "axes": axes}, "between": ["ground.a", f"{name}.b"]}
+        f"water {k}": {
+            "linear": {"added_mass": positive(k).tolist(), "axes": axes},
+            "between": ["ground.a", f"{name}.b"],
+        }
         for k, (axes, name) in enumerate(zip(AXES, scene.body))
     }
     data = scene.model_copy(update={"body": bodies}).model_dump(exclude_unset=True)
@@ -285,7 +306,14 @@ def test_reactions_bear_the_water(axes, formulation):
             "name": "arm",
             "gravity": STILL,
             "solver": {"formulation": formulation},
-            "body": {"arm": {"mass": 2.0, "com": [0.5, 0, 0], "inertia": [0.1] * 3, "marker": {"p": {"position": arm.tolist()}}}},
+            "body": {
+                "arm": {
+                    "mass": 2.0,
+                    "com": [0.5, 0, 0],
+                    "inertia": [0.1] * 3,
+                    "marker": {"p": {"position": arm.tolist()}},
+                }
+            },
             "joint": {
                 "hinge": {
                     "revolute": {},
@@ -385,7 +413,9 @@ def test_the_inertial_frame_as_first_end_is_water_at_rest():
     inertial = {"water": water(A, None, ("inertial", "hull.p"))}
     moving = hull_scene(inertial, MOVING, marker=MARKER, ground={"motion": motion})
     moving = moving.model_copy(
-        update={"joint": {"afloat": moving.joint["afloat"].model_copy(update={"between": ("inertial", "hull")})}}
+        update={
+            "joint": {"afloat": moving.joint["afloat"].model_copy(update={"between": ("inertial", "hull")})}
+        }
     )
     still = hull_scene({"water": water(A, None, ("ground", "hull.p"))}, MOVING, marker=MARKER)
     assert_allclose(accelerations(moving)[-6:], accelerations(still), rtol=0, atol=1e-12)
@@ -396,9 +426,17 @@ def test_the_inertial_frame_as_first_end_is_water_at_rest():
 
 def test_axes_are_one_of_three():
     with pytest.raises(mbdfmi.SceneError, match="axes"):
-        mbdfmi.Scene(name="x", body={"hull": {"mass": 1, "inertia": [1, 1, 1]}}, joint={}, force={
-            "water": {"linear": {"added_mass": np.eye(6).tolist(), "axes": "hull"}, "between": ["ground", "hull"]}
-        })
+        mbdfmi.Scene(
+            name="x",
+            body={"hull": {"mass": 1, "inertia": [1, 1, 1]}},
+            joint={},
+            force={
+                "water": {
+                    "linear": {"added_mass": np.eye(6).tolist(), "axes": "hull"},
+                    "between": ["ground", "hull"],
+                }
+            },
+        )
 
 
 @every_axes

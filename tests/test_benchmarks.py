@@ -45,7 +45,9 @@ def run(record_property):
         record_property("steps", int(instance.d.steps[0]))
         names = [v.name.partition("[")[0] for v in instance.model.of_causality("output")]
         rows = np.array(rows)
-        columns = {name: [k for k, other in enumerate(names) if other == name] for name in dict.fromkeys(names)}
+        columns = {
+            name: [k for k, other in enumerate(names) if other == name] for name in dict.fromkeys(names)
+        }
         return {name: rows[:, k[0]] if len(k) == 1 else rows[:, k] for name, k in columns.items()}
 
     return run
@@ -54,7 +56,9 @@ def run(record_property):
 def error_of(data, found):
     """The largest error of quantities name -> (n,) at the first n times of the reference."""
     wanted = data["column"]
-    return max(np.abs(x - wanted[name][: len(x)]).max() / np.abs(wanted[name]).max() for name, x in found.items())
+    return max(
+        np.abs(x - wanted[name][: len(x)]).max() / np.abs(wanted[name]).max() for name, x in found.items()
+    )
 
 
 def turned(angle, wanted):
@@ -86,7 +90,9 @@ def rod_pendulum(formulation, tolerance):
 
 
 def pendulum_error(y, data):
-    found = columns_of(y, x=("bob.position", 0), y=("bob.position", 1), vx=("bob.velocity", 0), vy=("bob.velocity", 1))
+    found = columns_of(
+        y, x=("bob.position", 0), y=("bob.position", 1), vx=("bob.velocity", 0), vy=("bob.velocity", 1)
+    )
     return error_of(data, found)
 
 
@@ -123,20 +129,39 @@ def four_bars(n, formulation, tolerance=1e-12):
         for k in range(n + 1)
     ]
     couplers = [
-        {"name": f"H{k}", "mass": 1.0, "inertia": [1e-3, 1 / 12, 1 / 12, 0, 0, 0], "r0": [k + 0.5, 1, 0], "v0": [1, 0, 0]}
+        {
+            "name": f"H{k}",
+            "mass": 1.0,
+            "inertia": [1e-3, 1 / 12, 1 / 12, 0, 0, 0],
+            "r0": [k + 0.5, 1, 0],
+            "v0": [1, 0, 0],
+        }
         for k in range(n)
     ]
     joints = [
-        {"type": "revolute", "body_i": "ground", "body_j": f"V{k}", "point": [k, 0, 0], "axis": z} for k in range(n + 1)
+        {"type": "revolute", "body_i": "ground", "body_j": f"V{k}", "point": [k, 0, 0], "axis": z}
+        for k in range(n + 1)
     ]
 
     for k in range(n):
         joints += [
-            {"type": "revolute", "body_i": f"V{k + side}", "body_j": f"H{k}", "point": [k + side, 1, 0], "axis": z}
+            {
+                "type": "revolute",
+                "body_i": f"V{k + side}",
+                "body_j": f"H{k}",
+                "point": [k + side, 1, 0],
+                "axis": z,
+            }
             for side in (0, 1)
         ]
 
-    data = {"id": "A02", "gravity": [0, -9.81, 0], "bodies": cranks + couplers, "joints": joints, "forces": []}
+    data = {
+        "id": "A02",
+        "gravity": [0, -9.81, 0],
+        "bodies": cranks + couplers,
+        "joints": joints,
+        "forces": [],
+    }
     tip = {"tip": {"position": [0, 0.5, 0], "output": ["position", "velocity"]}}
     outputs = ["total_energy", "constraint_gap", "constraint_rate"]
     scene = scene_of(data, ["zyx"], solver=solver(formulation, tolerance), output=outputs)
@@ -172,7 +197,10 @@ def test_A02_four_bars(run, check, n, formulation):
     four_bars_run(run, check, n, formulation, 10, problem(f"A02_n_four_bar_N{n}"))
 
 
-@pytest.mark.parametrize("n, formulation, until", [(8, "recursive", 10), (8, "embedding", 2), (8, "augmented", 10), (40, "recursive", 2)])
+@pytest.mark.parametrize(
+    "n, formulation, until",
+    [(8, "recursive", 10), (8, "embedding", 2), (8, "augmented", 10), (40, "recursive", 2)],
+)
 def test_A02_many_four_bars(run, check, n, formulation, until):
     four_bars_run(run, check, n, formulation, until)
 
@@ -263,8 +291,6 @@ def test_A05_flyball_governor(run, check, formulation):
     check(error_of(data, found), 1e-8)
 
 
-
-
 # prescribed motion
 
 
@@ -339,7 +365,13 @@ def bob(formulation, **tables):
         joint = {"pin": {"revolute": {}, "between": ["ground", "bob.pin"]}}
         body["marker"] = {"pin": {"position": [0, 1, 0]}}
 
-    return {"name": "bob", "solver": solver(formulation, 1e-13), "body": {"bob": body}, "joint": joint, "measure": seen} | tables
+    return {
+        "name": "bob",
+        "solver": solver(formulation, 1e-13),
+        "body": {"bob": body},
+        "joint": joint,
+        "measure": seen,
+    } | tables
 
 
 def pendulum_angle(y, name):
@@ -424,7 +456,11 @@ def test_free_body_in_a_moving_frame(run, check, formulation):
                 "between": ["along", "up"],
                 "driver": {"table": {"time": [0, 2, 5, 11], "position": [0, 0.8, 5, 24.2]}},
             },
-            "turn": {"revolute": {"axis": [1, 2, 2]}, "between": ["up", "frame"], "driver": {"constant_speed": 0.7}},
+            "turn": {
+                "revolute": {"axis": [1, 2, 2]},
+                "between": ["up", "frame"],
+                "driver": {"constant_speed": 0.7},
+            },
             "free": {
                 "free": {},
                 "between": ["frame", "body"],
@@ -524,7 +560,10 @@ def test_satellites_of_an_orbiting_frame(run, check, formulation):
     near = 1e-4
     body = {"mass": 10.0, "inertia": [1, 1, 1]}
     ahead = [radius * (np.cos(0.3) - 1), radius * np.sin(0.3), 0]
-    start = {"position": [100 * near, 200 * near, 50 * near], "velocity": [0.1 * near, -0.2 * near, 0.05 * near]}
+    start = {
+        "position": [100 * near, 200 * near, 50 * near],
+        "velocity": [0.1 * near, -0.2 * near, 0.05 * near],
+    }
     output = {"output": ["position"]}
     scene = {
         "name": "orbit",
@@ -562,7 +601,12 @@ def test_rolling_disk(run, check, formulation):
     top = R.apply([0, 0, 1])
     m = np.array([0, 0, 1]) - top[2] * top
     v = np.cross(w, m / np.linalg.norm(m))
-    start = {"position": body["r0"], "euler_parameters": E.tolist(), "velocity": v.tolist(), "omega": w.tolist()}
+    start = {
+        "position": body["r0"],
+        "euler_parameters": E.tolist(),
+        "velocity": v.tolist(),
+        "omega": w.tolist(),
+    }
     scene = {
         "name": "disk",
         "solver": solver(formulation, 1e-13),
@@ -633,7 +677,9 @@ def test_chaplygin_sleigh(run, check, formulation):
         "name": "sleigh",
         "gravity": [0, 0, 0],
         "solver": solver(formulation, 1e-13),
-        "body": {"sleigh": {"mass": 1.0, "com": [0.3, 0, 0], "inertia": [0.5] * 3, "output": ["velocity_body"]}},
+        "body": {
+            "sleigh": {"mass": 1.0, "com": [0.3, 0, 0], "inertia": [0.5] * 3, "output": ["velocity_body"]}
+        },
         "joint": {
             "plane": {
                 "planar": {},

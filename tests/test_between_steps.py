@@ -82,7 +82,9 @@ def test_radau_constants_are_those_of_collocation():
 
 def test_gauss_constants_are_those_of_collocation():
     c = gauss.NODES
-    assert [gauss.WEIGHTS @ c**k for k in range(8)] == pytest.approx([1 / (k + 1) for k in range(8)], abs=1e-15)
+    assert [gauss.WEIGHTS @ c**k for k in range(8)] == pytest.approx(
+        [1 / (k + 1) for k in range(8)], abs=1e-15
+    )
 
     for k in range(4):
         assert gauss.STAGES @ c**k == pytest.approx(c ** (k + 1) / (k + 1), abs=1e-15)
@@ -111,16 +113,26 @@ def clutch(amplitude, **solver):
     swing = {"harmonic": {"amplitude": amplitude, "frequency": 1}}
     one_way = {"speed": [-10, -0.01, 0, 0.01, 10], "effort": [-1000, -1, 0, 0, 0]}
     peak = 2 * np.pi * amplitude
-    return peak, instance_of({
-        "name": "clutch", "gravity": [0, 0, 0], "solver": solver,
-        "body": {"a": {"mass": 1, "inertia": axes}, "b": {"mass": 1, "inertia": axes, "output": ["omega"]}},
-        "joint": {
-            "a": {"revolute": {}, "between": ["ground", "a"], "driver": swing},
-            "clutch": {
-                "revolute": {}, "between": ["a", "b"], "start": {"speed": -peak}, "damper": {"table": one_way},
+    return peak, instance_of(
+        {
+            "name": "clutch",
+            "gravity": [0, 0, 0],
+            "solver": solver,
+            "body": {
+                "a": {"mass": 1, "inertia": axes},
+                "b": {"mass": 1, "inertia": axes, "output": ["omega"]},
             },
-        },
-    })
+            "joint": {
+                "a": {"revolute": {}, "between": ["ground", "a"], "driver": swing},
+                "clutch": {
+                    "revolute": {},
+                    "between": ["a", "b"],
+                    "start": {"speed": -peak},
+                    "damper": {"table": one_way},
+                },
+            },
+        }
+    )
 
 
 @pytest.mark.parametrize("integrator", EXPLICIT)
@@ -142,14 +154,24 @@ def test_a_one_way_damper_never_gives_more_than_the_peak_speed(integrator, ampli
 def bouncing(**solver):
     """1 kg that flies free between two springy stops 1 m apart; energy is kept but for the force, an input."""
     stop = {"lower": 0.0, "upper": 1.0, "stiffness": 1e5}
-    return instance_of({
-        "name": "b", "gravity": [0, 0, 0], "solver": solver, "output": ["total_energy"],
-        "body": {"a": {"mass": 1, "inertia": [0, 0, 0]}},
-        "joint": {"j": {
-            "prismatic": {"axis": "x"}, "between": ["ground", "a"], "stop": stop, "input": "force",
-            "start": {"position": 0.5, "speed": 2.0},
-        }},
-    })
+    return instance_of(
+        {
+            "name": "b",
+            "gravity": [0, 0, 0],
+            "solver": solver,
+            "output": ["total_energy"],
+            "body": {"a": {"mass": 1, "inertia": [0, 0, 0]}},
+            "joint": {
+                "j": {
+                    "prismatic": {"axis": "x"},
+                    "between": ["ground", "a"],
+                    "stop": stop,
+                    "input": "force",
+                    "start": {"position": 0.5, "speed": 2.0},
+                }
+            },
+        }
+    )
 
 
 @pytest.mark.parametrize("integrator", EXPLICIT)
@@ -181,18 +203,28 @@ def test_an_input_that_changes_at_such_a_point_goes_on_from_a_right_state(integr
 
 def parallelogram(**solver):
     """A parallelogram four-bar that passes its dead points: bars of 1 m, the coupler of 1 m stays parallel to the ground."""
-    bar = {"mass": 1.0, "com": [0.5, 0, 0], "inertia": [0.001, 1 / 12, 1 / 12], "marker": {"e": {"position": [1, 0, 0]}}}
-    return instance_of({
-        "name": "p", "gravity": [0, -9.81, 0], "solver": solver, "output": ["total_energy"],
-        "ground": {"marker": {"r": {"position": [1, 0, 0]}}},
-        "body": {"a": bar, "b": bar, "c": bar},
-        "joint": {
-            "a": {"revolute": {}, "between": ["ground", "a"], "start": {"angle": 1.9, "speed": -9.0}},
-            "ab": {"revolute": {}, "between": ["a.e", "b"], "start": {"angle": -1.9}},
-            "c": {"revolute": {}, "between": ["ground.r", "c"], "start": {"angle": 1.9}},
-            "bc": {"revolute": {}, "between": ["b.e", "c.e"]},
-        },
-    })
+    bar = {
+        "mass": 1.0,
+        "com": [0.5, 0, 0],
+        "inertia": [0.001, 1 / 12, 1 / 12],
+        "marker": {"e": {"position": [1, 0, 0]}},
+    }
+    return instance_of(
+        {
+            "name": "p",
+            "gravity": [0, -9.81, 0],
+            "solver": solver,
+            "output": ["total_energy"],
+            "ground": {"marker": {"r": {"position": [1, 0, 0]}}},
+            "body": {"a": bar, "b": bar, "c": bar},
+            "joint": {
+                "a": {"revolute": {}, "between": ["ground", "a"], "start": {"angle": 1.9, "speed": -9.0}},
+                "ab": {"revolute": {}, "between": ["a.e", "b"], "start": {"angle": -1.9}},
+                "c": {"revolute": {}, "between": ["ground.r", "c"], "start": {"angle": 1.9}},
+                "bc": {"revolute": {}, "between": ["b.e", "c.e"]},
+            },
+        }
+    )
 
 
 @pytest.mark.parametrize("integrator", EXPLICIT)

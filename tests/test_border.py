@@ -194,7 +194,9 @@ def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
         instance = placed(library, tmp_path / "flipped", *resealed(bytes(damaged)))
 
         if instance.component is None:
-            assert re.search("is refused: its (variable|array) '.+' (is of no kind|lies outside)", instance.message)
+            assert re.search(
+                "is refused: its (variable|array) '.+' (is of no kind|lies outside)", instance.message
+            )
             refused += 1
             continue
 

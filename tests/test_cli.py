@@ -73,7 +73,9 @@ def fmu(tmp_path_factory):
 # what works
 
 
-@pytest.mark.parametrize("arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"], ["import"]])
+@pytest.mark.parametrize(
+    "arguments", [[], ["export"], ["simulate"], ["inverse"], ["info"], ["check"], ["bench"], ["import"]]
+)
 def test_help(command, arguments, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     status, printed, _ = command(*arguments, "--help")
@@ -119,9 +121,15 @@ def test_inverse(command, tmp_path):
     run, efforts = tmp_path / "run.csv", tmp_path / "efforts.csv"
     command("simulate", FOUR_BAR, "--until", 0.5, "--csv", run)
     status, _, problem = command("inverse", FOUR_BAR, "--motion", run)
-    assert status == 1 and "1 degree of freedom; drive fewer of them (drive=[...], or --drive JOINT)" in " ".join(problem.split())
+    assert (
+        status == 1
+        and "1 degree of freedom; drive fewer of them (drive=[...], or --drive JOINT)"
+        in " ".join(problem.split())
+    )
 
-    status, printed, _ = command("inverse", FOUR_BAR, "--motion", run, "--drive", "crank_pivot", "--csv", efforts)
+    status, printed, _ = command(
+        "inverse", FOUR_BAR, "--motion", run, "--drive", "crank_pivot", "--csv", efforts
+    )
     assert status == 0 and printed.split() == [str(efforts)]
     head, *rows = csv.reader(efforts.open())
     assert head[:2] == ["time [s]", "crank_pivot.torque [N.m]"]
@@ -431,7 +439,11 @@ def test_no_fmu(refused, tmp_path, fmu):
         ("no_xml", lambda name, data: b"<a" if name.endswith(".xml") else data, "line 1"),
         ("bad_unit", lambda name, data: data.replace(b'unit="rad"', b'unit="furlong"'), "furlong"),
         ("no_library", lambda name, data: None if name.startswith("binaries") else data, "no library"),
-        ("bad_library", lambda name, data: b"none" if name.startswith("binaries") else data, "first run fails"),
+        (
+            "bad_library",
+            lambda name, data: b"none" if name.startswith("binaries") else data,
+            "first run fails",
+        ),
         ("no_resource", lambda name, data: None if name.endswith(".bin") else data, "first run fails"),
         ("bad_resource", lambda name, data: data[:-9] if name.endswith(".bin") else data, "first run fails"),
         ("other_guid", lambda name, data: data.replace(b'guid="{', b'guid="{0'), "first run fails"),

@@ -43,7 +43,8 @@ def run(scene, times):
     names = [v.name.partition("[")[0] for v in instance.model.of_causality("output")]
     rows = np.array(rows)
     return instance, {
-        name: np.squeeze(rows[:, [k for k, other in enumerate(names) if other == name]]) for name in set(names)
+        name: np.squeeze(rows[:, [k for k, other in enumerate(names) if other == name]])
+        for name in set(names)
     }
 
 
@@ -71,8 +72,13 @@ def bars(n, **more):
     """n uniform bars of 1 m on revolute joints about z, all along x, weight along -y."""
     marker = {"end": {"position": [1, 0, 0]}}
     inertia = [0.001, 1 / 12, 1 / 12]
-    body = {f"bar{k}": {"mass": 1.0, "com": [0.5, 0, 0], "inertia": inertia, "marker": marker} for k in range(1, n + 1)}
-    body[f"bar{n}"] = body[f"bar{n}"] | {"marker": {"end": marker["end"] | {"output": ["position", "velocity"]}}}
+    body = {
+        f"bar{k}": {"mass": 1.0, "com": [0.5, 0, 0], "inertia": inertia, "marker": marker}
+        for k in range(1, n + 1)
+    }
+    body[f"bar{n}"] = body[f"bar{n}"] | {
+        "marker": {"end": marker["end"] | {"output": ["position", "velocity"]}}
+    }
     joint = {
         f"j{k}": {"revolute": {}, "between": [f"bar{k - 1}.end" if k > 1 else "ground", f"bar{k}"]}
         for k in range(1, n + 1)
@@ -161,7 +167,9 @@ def test_steps_do_not_shrink_in_gimbal_lock():
 
     for turned in ([0, 0, 0], [90, 0, 0], [0, 0, 90], [0, 89.9, 0]):
         start = {"omega": [0, 1, 0], "zyx_deg": turned}
-        instance, _ = run(single("free", {"inertia": [1, 1, 1]}, start, solver={"tolerance": 1e-9}), [2 * np.pi])
+        instance, _ = run(
+            single("free", {"inertia": [1, 1, 1]}, start, solver={"tolerance": 1e-9}), [2 * np.pi]
+        )
         steps.append(instance.d.steps[0])
 
     assert max(steps) - min(steps) <= 2
@@ -279,8 +287,16 @@ def test_two_link_arm():
             "lower": {"mass": 1.5, "com": [0.3, 0, 0], "inertia": inertias[1]},
         },
         "joint": {
-            "shoulder": {"revolute": {}, "between": ["ground", "upper"], "start": {"angle": 0.4, "speed": 1.2}},
-            "elbow": {"revolute": {}, "between": ["upper.end", "lower"], "start": {"angle": -0.9, "speed": -0.7}},
+            "shoulder": {
+                "revolute": {},
+                "between": ["ground", "upper"],
+                "start": {"angle": 0.4, "speed": 1.2},
+            },
+            "elbow": {
+                "revolute": {},
+                "between": ["upper.end", "lower"],
+                "start": {"angle": -0.9, "speed": -0.7},
+            },
         },
     }
     scene["body"]["upper"]["marker"] = {"end": {"position": [0.8, 0, 0]}}
@@ -315,8 +331,12 @@ def two_bodies(strut, velocity):
             "one": {"mass": m1, "inertia": [0.1, 0.2, 0.25], "output": ["position", "omega"]},
             "two": {"mass": m2, "inertia": [0.1, 0.2, 0.25], "output": ["position", "omega"]},
         },
-        "joint": {name: {"free": {}, "between": ["ground", name], "start": start} for name, start in starts.items()},
-        "force": {"strut": {"spring_damper": strut, "between": ["one", "two"], "output": ["length", "force"]}},
+        "joint": {
+            name: {"free": {}, "between": ["ground", name], "start": start} for name, start in starts.items()
+        },
+        "force": {
+            "strut": {"spring_damper": strut, "between": ["one", "two"], "output": ["length", "force"]}
+        },
     }
 
 

@@ -42,10 +42,14 @@ class Run:
 def slider(told, **more):
     """A slider whose motion along x is commanded."""
     return mbdfmi.Scene(
-        name="slider", gravity=[0, 0, 0], body={"a": POINT},
+        name="slider",
+        gravity=[0, 0, 0],
+        body={"a": POINT},
         joint={
             "j": {
-                "prismatic": {"axis": "x"}, "between": ["ground", "a"], "driver": {"input": told},
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "a"],
+                "driver": {"input": told},
                 "output": ["position", "speed", "acceleration", "effort"],
             }
         },
@@ -56,7 +60,9 @@ def slider(told, **more):
 def moving_ground(told, velocity=(0, 0, 0)):
     """A particle free to go anywhere, seen from the inertial frame, on a ground that inputs move."""
     return mbdfmi.Scene(
-        name="ground", gravity=[0, 0, 0], ground={"motion": {"input": told}},
+        name="ground",
+        gravity=[0, 0, 0],
+        ground={"motion": {"input": told}},
         body={"p": POINT | {"output": ["position"]}},
         joint={"t": {"translation": {}, "between": ["ground", "p"], "start": {"velocity": velocity}}},
     )
@@ -64,7 +70,9 @@ def moving_ground(told, velocity=(0, 0, 0)):
 
 def swing(t, amplitude=1.0, w=2.0, phase=0.3):
     """Position, speed and acceleration of a sine."""
-    return amplitude * np.array([np.sin(w * t + phase), w * np.cos(w * t + phase), -w * w * np.sin(w * t + phase)])
+    return amplitude * np.array(
+        [np.sin(w * t + phase), w * np.cos(w * t + phase), -w * w * np.sin(w * t + phase)]
+    )
 
 
 NAMES = ("position", "speed", "acceleration")
@@ -137,7 +145,12 @@ def test_outputs_are_those_of_the_new_commands(told):
 
 @pytest.mark.parametrize(
     "told, order, allowed",
-    [(True, 2.8, 2e-3), (["position", "velocity"], 2.8, 4e-3), (["position", "speed"], 2.8, 4e-3), (["position"], 1.9, 0.06)],
+    [
+        (True, 2.8, 2e-3),
+        (["position", "velocity"], 2.8, 4e-3),
+        (["position", "speed"], 2.8, 4e-3),
+        (["position"], 1.9, 0.06),
+    ],
 )
 def test_a_free_particle_stays_where_it_is(told, order, allowed):
     """Over a ground that swings by 1 m, with equal and with unequal steps."""
@@ -230,7 +243,10 @@ def test_a_free_particle_over_a_ground_that_turns(told, order, beside):
             for n in (k, k + 1):
                 E, w, alpha, angles = turn(n * H)
                 commands = {
-                    "ground.euler_parameters": E * (-1) ** (n // 3), "ground.omega": w, "ground.alpha": alpha, "ground.zyx": angles
+                    "ground.euler_parameters": E * (-1) ** (n // 3),
+                    "ground.omega": w,
+                    "ground.alpha": alpha,
+                    "ground.zyx": angles,
                 }
                 run.set({name: value for name, value in commands.items() if f"{name}[1]" in run.input})
 
@@ -238,7 +254,9 @@ def test_a_free_particle_over_a_ground_that_turns(told, order, beside):
                     if k == 0 and order < 2:
                         E, angles = ((turn(1e-4)[i] - turn(-1e-4)[i]) / 2e-4 for i in (0, 3))
                         rates = {"ground.euler_parameters": E, "ground.zyx": angles}
-                        run.set({name: value for name, value in rates.items() if f"{name}[1]" in run.input}, 1)
+                        run.set(
+                            {name: value for name, value in rates.items() if f"{name}[1]" in run.input}, 1
+                        )
 
                     run.step(H)
 
@@ -257,11 +275,21 @@ def test_a_uniform_rotation_is_met_whatever_the_step():
     run.instance.d.x[7:10] = [1.0, 0, 0]
 
     for k in range(3):
-        run.set({"ground.euler_parameters": [0, 0, np.sin(20.0 * k), np.cos(20.0 * k)], "ground.omega": [0, 0, 40.0]})
+        run.set(
+            {
+                "ground.euler_parameters": [0, 0, np.sin(20.0 * k), np.cos(20.0 * k)],
+                "ground.omega": [0, 0, 40.0],
+            }
+        )
         run.step(1.0)
 
     angle = 120.0
-    run.set({"ground.euler_parameters": [0, 0, np.sin(angle / 2), np.cos(angle / 2)], "ground.omega": [0, 0, 40.0]})
+    run.set(
+        {
+            "ground.euler_parameters": [0, 0, np.sin(angle / 2), np.cos(angle / 2)],
+            "ground.omega": [0, 0, 40.0],
+        }
+    )
     assert_allclose(run.get("p.position"), [1, 0, 0], atol=1e-6)
     assert not run.instance.notices
 
@@ -272,9 +300,16 @@ def test_a_uniform_rotation_is_met_whatever_the_step():
 def base_with_mass(told):
     """10 kg carried by a base that heaves; the effort is that of the base's drive."""
     return mbdfmi.Scene(
-        name="base", gravity=[0, 0, 0], body={"base": POINT | {"mass": 0.0}, "load": POINT | {"mass": 10.0}},
+        name="base",
+        gravity=[0, 0, 0],
+        body={"base": POINT | {"mass": 0.0}, "load": POINT | {"mass": 10.0}},
         joint={
-            "heave": {"prismatic": {"axis": "z"}, "between": ["ground", "base"], "driver": {"input": told}, "output": ["effort"]},
+            "heave": {
+                "prismatic": {"axis": "z"},
+                "between": ["ground", "base"],
+                "driver": {"input": told},
+                "output": ["effort"],
+            },
             "weld": {"fixed": {}, "between": ["base", "load"]},
         },
     )
@@ -324,15 +359,23 @@ def quarter_car(**driver):
     """A body of 300 kg on a wheel of 40 kg over a road whose height is prescribed."""
     link = {"between": ["ground", "wheel"], "prismatic": {"axis": "z"}, "output": ["position"]}
     return mbdfmi.Scene(
-        name="car", gravity=[0, 0, 0],
+        name="car",
+        gravity=[0, 0, 0],
         body={"road": POINT, "wheel": POINT | {"mass": 40}, "car": POINT | {"mass": 300}},
         joint={
             "road": {"between": ["ground", "road"], "prismatic": {"axis": "z"}, **driver},
-            "wheel": link, "car": link | {"between": ["ground", "car"], "output": ["position", "acceleration"]},
+            "wheel": link,
+            "car": link | {"between": ["ground", "car"], "output": ["position", "acceleration"]},
         },
         force={
-            "tyre": {"spring_damper": {"stiffness": 2e5, "damping": 100, "rest_length": 0}, "between": ["road", "wheel"]},
-            "strut": {"spring_damper": {"stiffness": 2e4, "damping": 1500, "rest_length": 0}, "between": ["wheel", "car"]},
+            "tyre": {
+                "spring_damper": {"stiffness": 2e5, "damping": 100, "rest_length": 0},
+                "between": ["road", "wheel"],
+            },
+            "strut": {
+                "spring_damper": {"stiffness": 2e4, "damping": 1500, "rest_length": 0},
+                "between": ["wheel", "car"],
+            },
         },
     )
 
@@ -386,7 +429,9 @@ def test_a_kerb_is_not_climbed_twice():
 def test_an_angle_that_wraps_does_not_spin():
     """Commands within half a turn either way, as atan2 gives them, of a joint that turns on: a disk on it feels no jump."""
     scene = mbdfmi.Scene(
-        name="wrap", gravity=[0, 0, 0], body={"a": {"mass": 1, "inertia": [1, 1, 1]}, "b": {"mass": 1, "inertia": [1, 1, 1]}},
+        name="wrap",
+        gravity=[0, 0, 0],
+        body={"a": {"mass": 1, "inertia": [1, 1, 1]}, "b": {"mass": 1, "inertia": [1, 1, 1]}},
         joint={
             "j": {"revolute": {}, "between": ["ground", "a"], "driver": {"input": ["angle"]}},
             "k": {"revolute": {}, "between": ["a", "b"], "start": {"speed": -3.0}, "output": ["speed"]},
@@ -405,7 +450,14 @@ def test_an_angle_that_wraps_does_not_spin():
 
 @pytest.mark.parametrize(
     "speed, acceleration, wrong",
-    [(1.0, 1.0, False), (0.0, 0.0, True), (2.0, 1.0, True), (-1.0, 1.0, True), (1.0, 0.0, True), (np.pi / 180, np.pi / 180, True)],
+    [
+        (1.0, 1.0, False),
+        (0.0, 0.0, True),
+        (2.0, 1.0, True),
+        (-1.0, 1.0, True),
+        (1.0, 0.0, True),
+        (np.pi / 180, np.pi / 180, True),
+    ],
 )
 def test_what_contradicts_the_position_is_told_once(speed, acceleration, wrong):
     run = Run(slider(True))
@@ -438,7 +490,11 @@ def test_commands_as_functions(told, step):
     """A particle on the commanded slider stays where it is: functions are followed in between."""
     table = slider(list(NAMES[:told])).model_dump(exclude_unset=True)
     table["body"]["p"] = POINT | {"output": ["position"]}
-    table["joint"]["free"] = {"prismatic": {"axis": "x"}, "between": ["a", "p"], "start": {"speed": -swing(0.0)[1]}}
+    table["joint"]["free"] = {
+        "prismatic": {"axis": "x"},
+        "between": ["a", "p"],
+        "start": {"speed": -swing(0.0)[1]},
+    }
     inputs = {name: lambda t, k=k: swing(t)[k] for k, name in enumerate(COMMANDS[:told])}
     results = mbdfmi.Scene(**table).simulate(until=4, step=step, inputs=inputs)
     t = results["time"]
@@ -462,7 +518,7 @@ def test_commands_as_arrays():
     "told, said",
     [
         (["speed"], 'true, ["position", "speed"]'),
-        (["position", "acceleration"], 'tells the position, or position and speed'),
+        (["position", "acceleration"], "tells the position, or position and speed"),
         ([], "needs at least one of"),
         ("position", "needs true or a list"),
         (False, "can only be true"),
@@ -499,7 +555,9 @@ def test_descriptions_say_what_belongs_together():
     about = {v.name: v.description for v in slider(["position", "speed"]).compile().of_causality("input")}
     assert "set together with j.speed_command" in about["j.position_command"]
     assert "acceleration found from the last commands" in about["j.position_command"]
-    about = {v.name: v.description for v in moving_ground(["position", "zyx"]).compile().of_causality("input")}
+    about = {
+        v.name: v.description for v in moving_ground(["position", "zyx"]).compile().of_causality("input")
+    }
     assert "angular velocity and angular acceleration found" in about["ground.zyx[1]"]
     assert "velocity and acceleration found" in about["ground.position[1]"]
 
@@ -586,7 +644,9 @@ def test_commands_set_in_an_fmu_with_derivatives(tmp_path):
                 assert slave.set_derivatives(variable, order, value) == OK
 
         assert slave.step(t, 0.1) == OK
-        assert_allclose([slave.value(f"j.{name}") for name in NAMES], [(t + 0.1) ** 2, 2 * t + 0.2, 2.0], rtol=1e-12)
+        assert_allclose(
+            [slave.value(f"j.{name}") for name in NAMES], [(t + 0.1) ** 2, 2 * t + 0.2, 2.0], rtol=1e-12
+        )
 
     slave.free()
 
@@ -598,7 +658,9 @@ def test_a_commanded_joint_in_a_loop(formulation):
 
     def scene(crank, rail):
         return mbdfmi.Scene(
-            name="crank", gravity=[0, 0, 0], solver={"formulation": formulation},
+            name="crank",
+            gravity=[0, 0, 0],
+            solver={"formulation": formulation},
             body={
                 "crank": {"mass": 1, "inertia": [0.01] * 3, "marker": {"e": {"position": [r, 0, 0]}}},
                 "rod": {"mass": 1, "inertia": [0.01] * 3, "marker": {"e": {"position": [l, 0, 0]}}},
@@ -608,7 +670,12 @@ def test_a_commanded_joint_in_a_loop(formulation):
                 "a": {"revolute": {}, "between": ["ground", "crank"], "output": ["angle", "speed"], **crank},
                 "b": {"revolute": {}, "between": ["crank.e", "rod"]},
                 "c": {"revolute": {}, "between": ["rod.e", "shoe"]},
-                "rail": {"prismatic": {"axis": "x"}, "between": ["ground", "shoe"], "output": ["position", "speed"], **rail},
+                "rail": {
+                    "prismatic": {"axis": "x"},
+                    "between": ["ground", "shoe"],
+                    "output": ["position", "speed"],
+                    **rail,
+                },
             },
         )
 
@@ -621,7 +688,12 @@ def test_a_commanded_joint_in_a_loop(formulation):
 
     for k in range(20):
         for order in (0, 1):
-            run.set({f"a.{name}_command": law[i](0.05 * (k + order)) for i, name in enumerate(("angle", "speed", "acceleration"))})
+            run.set(
+                {
+                    f"a.{name}_command": law[i](0.05 * (k + order))
+                    for i, name in enumerate(("angle", "speed", "acceleration"))
+                }
+            )
 
             if order == 0:
                 run.step(0.05)
@@ -630,7 +702,10 @@ def test_a_commanded_joint_in_a_loop(formulation):
 
     # the other way round: by position alone
     course = place(angle(np.linspace(0, 1, 21)))
-    run = Run(scene({"start": {"angle": 0.5}}, {"driver": {"input": ["position"]}}), **{"rail.position_command": course[0]})
+    run = Run(
+        scene({"start": {"angle": 0.5}}, {"driver": {"input": ["position"]}}),
+        **{"rail.position_command": course[0]},
+    )
 
     for k in range(20):
         run.set({"rail.position_command": course[k]})
@@ -650,14 +725,22 @@ def test_loops_are_where_the_commands_are(formulation, told):
     """
 
     def bar(length):
-        return {"mass": 1.0, "inertia": [0.1] * 3, "marker": {"end": {"position": [length, 0, 0], "output": ["position", "velocity"]}}}
+        return {
+            "mass": 1.0,
+            "inertia": [0.1] * 3,
+            "marker": {"end": {"position": [length, 0, 0], "output": ["position", "velocity"]}},
+        }
 
     hinge = {"revolute": {"axis": "y"}}
     scene = mbdfmi.Scene(
-        name="bars", solver={"formulation": formulation, "tolerance": 1e-10}, output=["constraint_gap", "constraint_rate"],
-        ground={"marker": {"far": {"position": [2, 0, 0]}}}, body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.0)},
+        name="bars",
+        solver={"formulation": formulation, "tolerance": 1e-10},
+        output=["constraint_gap", "constraint_rate"],
+        ground={"marker": {"far": {"position": [2, 0, 0]}}},
+        body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.0)},
         joint={
-            "crank": hinge | {"between": ["ground", "a"], "output": ["angle", "speed"], "driver": {"input": told}},
+            "crank": hinge
+            | {"between": ["ground", "a"], "output": ["angle", "speed"], "driver": {"input": told}},
             "knee": hinge | {"between": ["a.end", "b"]},
             "elbow": hinge | {"between": ["b.end", "c"]},
             "rocker": hinge | {"between": ["c.end", "ground.far"], "start": {"angle_deg": -60}},

@@ -114,7 +114,9 @@ def test_what_fails_is_told(few, monkeypatch):
     """A spring so stiff that steps of rk4 blow up; the reference is not looked for."""
     zeros = np.zeros((201, 2))
     monkeypatch.setattr(comparison, "_reference", lambda trial: (Setting("auto", 1e-12), zeros, 0.0))
-    found = compare_steppers(oscillator(1e12, solver={"integrator": "rk4", "step": 0.1}), 20.0, 0.1, steppers=["rk4"])
+    found = compare_steppers(
+        oscillator(1e12, solver={"integrator": "rk4", "step": 0.1}), 20.0, 0.1, steppers=["rk4"]
+    )
     blown = [run for run in found.runs if run.setting.integrator == "rk4"]
     assert all("finite" in run.reason or "fast" in run.reason for run in blown), blown
     assert found.best(1e9, ["rk4"]) is None

@@ -146,9 +146,7 @@ def difference(f, s, h=1e-5):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_derivatives_of_curves(name):
-    m = Instance(
-        compile_scene(particle("point_on_curve", {"curve": CURVES[name]}, (0.5, 0.2, 0)))
-    ).m
+    m = Instance(compile_scene(particle("point_on_curve", {"curve": CURVES[name]}, (0.5, 0.2, 0)))).m
 
     for s in np.random.default_rng(SEED).uniform(-2, 7, 40):
         r, t, tt = curves.point(m, 0, s)
@@ -158,7 +156,9 @@ def test_derivatives_of_curves(name):
 
         # but at a knot, where it jumps
         third = difference(lambda s: curves.point(m, 0, s)[2], s)
-        assert np.allclose(curves.third(m, 0, s), third, atol=1e-7) or (name in ("helix", "egg", "table") and np.abs(third).max() > 100)
+        assert np.allclose(curves.third(m, 0, s), third, atol=1e-7) or (
+            name in ("helix", "egg", "table") and np.abs(third).max() > 100
+        )
 
 
 def test_splines_are_those_of_scipy():
@@ -168,15 +168,11 @@ def test_splines_are_those_of_scipy():
     expected = CubicSpline(curve.s, curve.points)
 
     for s in np.linspace(curve.s[0], curve.s[-1], 50):
-        np.testing.assert_allclose(
-            curves.point(m, 0, s), [expected(s, nu) for nu in range(3)], atol=1e-12
-        )
+        np.testing.assert_allclose(curves.point(m, 0, s), [expected(s, nu) for nu in range(3)], atol=1e-12)
 
     # beyond its ends it goes on straight
     r, t, tt = curves.point(m, 0, curve.s[-1] + 2.0)
-    np.testing.assert_allclose(
-        r, expected(curve.s[-1]) + 2.0 * expected(curve.s[-1], 1), atol=1e-12
-    )
+    np.testing.assert_allclose(r, expected(curve.s[-1]) + 2.0 * expected(curve.s[-1], 1), atol=1e-12)
     assert tt == (0, 0, 0)
 
 
@@ -186,16 +182,12 @@ def test_closed_splines_run_on():
     period = np.ptp(scene.ground.marker["shape"].curve.s)
 
     for s in np.random.default_rng(SEED).uniform(0, period, 10):
-        np.testing.assert_allclose(
-            curves.point(m, 0, s), curves.point(m, 0, s - 3 * period), atol=1e-12
-        )
+        np.testing.assert_allclose(curves.point(m, 0, s), curves.point(m, 0, s - 3 * period), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", SURFACES)
 def test_derivatives_of_surfaces(name):
-    m = Instance(
-        compile_scene(particle("point_on_surface", {"surface": SURFACES[name]}, (0.9, 0.2, 0.1)))
-    ).m
+    m = Instance(compile_scene(particle("point_on_surface", {"surface": SURFACES[name]}, (0.9, 0.2, 0.1)))).m
 
     for s1, s2 in np.random.default_rng(SEED).uniform(-2.3, 2.3, (40, 2)):
         r, r1, r2, r11, r12, r22 = surfaces.point(m, 0, s1, s2)
@@ -255,7 +247,10 @@ def moving_scene(contact, shape, end=None, **tables):
         near = {"position": [0.3, 1.4], "angle": 0.4, "velocity": [0.5, -0.8], "angular_speed": 1.1}
         held["b"] = {"planar": {}, "between": ["a.shape", "b.end"], "start": near}
     else:
-        near = {"position": [1.9, 0.2, 0.5] if end else [0.9, 0.2, 0.1], "euler_parameters": turn().tolist()} | free
+        near = {
+            "position": [1.9, 0.2, 0.5] if end else [0.9, 0.2, 0.1],
+            "euler_parameters": turn().tolist(),
+        } | free
         held["b"] = {"free": {}, "between": ["a.shape", "b.end"], "start": near}
 
     kind, _, spin = contact.partition(" ")
@@ -273,9 +268,7 @@ def moving_scene(contact, shape, end=None, **tables):
 
 CONTACTS = [("point_on_curve", {"curve": c}, None) for c in CURVES.values()]
 CONTACTS += [("point_on_surface", {"surface": c}, None) for c in SURFACES.values()]
-CONTACTS += [
-    ("curve_on_curve", {"curve": CURVES[a]}, {"curve": CURVES[b]}) for a, b in PAIRS.values()
-]
+CONTACTS += [("curve_on_curve", {"curve": CURVES[a]}, {"curve": CURVES[b]}) for a, b in PAIRS.values()]
 CONTACTS += [("frame_on_curve", {"curve": c}, None) for c in CURVES.values()]
 CONTACTS += [("frame_on_surface", {"surface": c}, None) for c in SURFACES.values()]
 CONTACTS += [("frame_on_curve free", {"curve": CURVES["helix"]}, None)]
@@ -419,9 +412,7 @@ def test_energy_and_momentum_of_moving_bodies(contact, shape, end):
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_bead_on_parabola(formulation):
     marker = {"curve": CURVES["parabola"]}
-    scene = particle(
-        "point_on_curve", marker, (1, 0.5, 0), formulation=formulation, gravity=[0, -9.81, 0]
-    )
+    scene = particle("point_on_curve", marker, (1, 0.5, 0), formulation=formulation, gravity=[0, -9.81, 0])
     results = simulate(compile_scene(scene), until=10.0, step=0.5)
     expected = reference("bead_on_parabola")
     np.testing.assert_allclose(results["body.position[1]"][1:], expected["x"], atol=1e-10)
@@ -435,9 +426,7 @@ def test_cycloid_isochrone(formulation):
     R, arc = 0.5, 1.2
     marker = {"position": [0, -2 * R, 0], "curve": {"cycloid": {"radius": R}}}
     start = 2 * np.arcsin(arc / (4 * R))
-    scene = particle(
-        "point_on_curve", marker, start=start, formulation=formulation, gravity=[0, -9.81, 0]
-    )
+    scene = particle("point_on_curve", marker, start=start, formulation=formulation, gravity=[0, -9.81, 0])
     results = simulate(compile_scene(scene), until=10.0, step=0.5)
     expected = reference("cycloid_isochrone")
     s = results["contact.s"][1:]
@@ -497,9 +486,7 @@ def test_particle_on_sphere(formulation):
 def test_sphere_through_its_pole():
     # a pendulum in a plane passes the pole, where longitudes jump and the motion does not
     marker = {"surface": {"sphere": {"radius": 1.0}}}
-    results = simulate(
-        compile_scene(particle("point_on_surface", marker, (1, 0, 0))), until=5.0, step=0.1
-    )
+    results = simulate(compile_scene(particle("point_on_surface", marker, (1, 0, 0))), until=5.0, step=0.1)
     pendulum = Scene.model_validate(
         {
             "name": "pendulum",
@@ -596,9 +583,7 @@ def test_bead_on_a_hoop_that_turns_with_the_ground():
 def test_force_on_a_bead_on_a_parabola():
     # N = m (g cos(slope) + curvature v^2), along the normal
     marker = {"curve": CURVES["parabola"]}
-    scene = particle(
-        "point_on_curve", marker, (1, 0.5, 0), gravity=[0, -9.81, 0], output=["reaction_force"]
-    )
+    scene = particle("point_on_curve", marker, (1, 0.5, 0), gravity=[0, -9.81, 0], output=["reaction_force"])
     results = simulate(compile_scene(scene), until=2.0, step=0.1)
     x, xd = results["contact.s"], results["contact.s_rate"]
     length = np.sqrt(1 + x**2)
@@ -671,12 +656,8 @@ def test_eccentric_cam_under_a_flat_follower(formulation):
     scene = cam_scene(ECCENTRIC, {"curve": {"line": {}}}, formulation)
     results = simulate(compile_scene(scene), until=3.0, step=0.05)
     angle = 3.0 * results["time"]
-    np.testing.assert_allclose(
-        results["guide.position"], R + ECCENTRICITY * np.sin(angle), atol=1e-11
-    )
-    np.testing.assert_allclose(
-        results["guide.speed"], 3.0 * ECCENTRICITY * np.cos(angle), atol=1e-10
-    )
+    np.testing.assert_allclose(results["guide.position"], R + ECCENTRICITY * np.sin(angle), atol=1e-11)
+    np.testing.assert_allclose(results["guide.speed"], 3.0 * ECCENTRICITY * np.cos(angle), atol=1e-10)
     acceleration = -9.0 * ECCENTRICITY * np.sin(angle)
     np.testing.assert_allclose(results["guide.acceleration"], acceleration, atol=1e-9)
 
@@ -697,9 +678,7 @@ def test_eccentric_cam_under_a_roller(formulation):
     results = simulate(compile_scene(scene), until=3.0, step=0.05)
     angle = 3.0 * results["time"]
     x, y = ECCENTRICITY * np.cos(angle), ECCENTRICITY * np.sin(angle)
-    np.testing.assert_allclose(
-        results["guide.position"], y + np.sqrt((R + r) ** 2 - x**2), atol=1e-11
-    )
+    np.testing.assert_allclose(results["guide.position"], y + np.sqrt((R + r) ** 2 - x**2), atol=1e-11)
 
 
 def test_energy_of_a_cam_that_turns_freely():
@@ -752,9 +731,7 @@ def test_parabola_rocks_on_a_line():
     np.testing.assert_allclose(results["contact.s[2]"], slope / (2 * c), atol=1e-11)
     np.testing.assert_allclose(results["rocker.position[2]"], height, atol=1e-11)
     np.testing.assert_allclose(results["total_energy"], results["total_energy"][0], rtol=1e-9)
-    np.testing.assert_allclose(
-        results["linear_momentum[1]"], results["linear_momentum[1]"][0], atol=1e-9
-    )
+    np.testing.assert_allclose(results["linear_momentum[1]"], results["linear_momentum[1]"][0], atol=1e-9)
 
 
 # assembly
@@ -782,9 +759,7 @@ def test_contact_out_of_reach():
         {
             "name": "short",
             "ground": {"marker": {"shape": {"curve": {"circle": {"radius": 3.0}}}}},
-            "body": {
-                "bob": {"mass": 1, "inertia": [1, 1, 1], "marker": {"end": {"position": [1, 0, 0]}}}
-            },
+            "body": {"bob": {"mass": 1, "inertia": [1, 1, 1], "marker": {"end": {"position": [1, 0, 0]}}}},
             "joint": {
                 "pin": {"revolute": {}, "between": ["ground", "bob"]},
                 "rim": {"point_on_curve": {}, "between": ["ground.shape", "bob.end"]},
@@ -811,9 +786,7 @@ def test_contact_given_twice_changes_nothing():
 
 def test_units_of_parameters():
     model = compile_scene(
-        particle(
-            "point_on_surface", {"surface": SURFACES["cylinder"]}, (0.7, 0, 0), start=[0.1, 0.2]
-        )
+        particle("point_on_surface", {"surface": SURFACES["cylinder"]}, (0.7, 0, 0), start=[0.1, 0.2])
     )
     units = {v.name: v.unit for v in model.variables}
     assert [units[f"contact.s[{k}]"] for k in (1, 2)] == ["rad", "m"]

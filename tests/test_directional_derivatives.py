@@ -29,10 +29,22 @@ def cart(tmp_path_factory):
     scene = Scene(
         name="cart_pole",
         gravity=[0, 0, -G],
-        body={"cart": {"mass": M, "inertia": [1, 1, 1]}, "bob": {"mass": m, "com": [0, 0, L], "inertia": [0, 0, 0]}},
+        body={
+            "cart": {"mass": M, "inertia": [1, 1, 1]},
+            "bob": {"mass": m, "com": [0, 0, L], "inertia": [0, 0, 0]},
+        },
         joint={
-            "rail": {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "input": "force", "output": ["acceleration"]},
-            "hinge": {"revolute": {"axis": "y"}, "between": ["cart", "bob"], "output": ["angle", "acceleration"]},
+            "rail": {
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "cart"],
+                "input": "force",
+                "output": ["acceleration"],
+            },
+            "hinge": {
+                "revolute": {"axis": "y"},
+                "between": ["cart", "bob"],
+                "output": ["angle", "acceleration"],
+            },
         },
     )
     return library_of(scene, tmp_path_factory.mktemp("cart"))[1]
@@ -120,6 +132,7 @@ def test_against_other_differences(name, tmp_path):
     nominal = np.array([float(v.derivative.nominal) for v in unknowns])
 
     for k, size in enumerate(np.maximum(nominal, np.abs(x))):
+
         def difference(h, k=k):
             high, low = x.copy(), x.copy()
             high[k] += h

@@ -71,7 +71,11 @@ def anchors(page):
 
     for heading in re.findall(r"^#+ (.+)$", text, re.M):
         name = re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
-        found.append(f"{name}-{count}" if (count := sum(re.fullmatch(f"{name}(-\\d+)?", f) is not None for f in found)) else name)
+        found.append(
+            f"{name}-{count}"
+            if (count := sum(re.fullmatch(f"{name}(-\\d+)?", f) is not None for f in found))
+            else name
+        )
 
     return found
 
@@ -92,10 +96,14 @@ def test_links_lead_somewhere(page):
 
 
 def test_sections_of_the_theory_that_the_sources_name():
-    numbers = set(re.findall(r"^##+ (\d+(?:\.\d+)?) ", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8"), re.M))
+    numbers = set(
+        re.findall(r"^##+ (\d+(?:\.\d+)?) ", (ROOT / "docs" / "theory.md").read_text(encoding="utf-8"), re.M)
+    )
 
     for path in [*(ROOT / "mbdfmi").rglob("*.py"), *(ROOT / "tests").rglob("*.py"), *PAGES]:
-        named = re.findall(r"docs/theory\.md,? (?:sections? )?(\d+(?:\.\d+)?)", path.read_text(encoding="utf-8"))
+        named = re.findall(
+            r"docs/theory\.md,? (?:sections? )?(\d+(?:\.\d+)?)", path.read_text(encoding="utf-8")
+        )
         assert set(named) <= numbers, path
 
 
@@ -115,9 +123,13 @@ def test_where_everything_is():
             assert re.search(rf"\b{name}\b", text), (name, where)
 
 
-@pytest.mark.parametrize("page", [README, *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "contributing", "theory"))])
+@pytest.mark.parametrize(
+    "page", [README, *(ROOT / "docs" / f"{name}.md" for name in ("architecture", "contributing", "theory"))]
+)
 def test_files_that_the_documents_name(page):
-    named = re.findall(r"`((?:mbdfmi|tests|docs|fmu_src|models|benchmarks)/[\w./]*)`", page.read_text(encoding="utf-8"))
+    named = re.findall(
+        r"`((?:mbdfmi|tests|docs|fmu_src|models|benchmarks)/[\w./]*)`", page.read_text(encoding="utf-8")
+    )
 
     for path in named:
         assert (ROOT / path).exists(), path

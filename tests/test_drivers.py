@@ -44,7 +44,10 @@ def speeds(interpolation, start):
         inside = np.clip(now, t[0], t[-1])
         beyond = (now > t[0]) & (now < t[-1])
         speed = law(inside)
-        way = [quad(lambda s: law(np.clip(s, t[0], t[-1])), 0, end, points=[p for p in t if p < end] or None)[0] for end in now]
+        way = [
+            quad(lambda s: law(np.clip(s, t[0], t[-1])), 0, end, points=[p for p in t if p < end] or None)[0]
+            for end in now
+        ]
         return start + np.array(way), speed, np.where(beyond, law(inside, 1), 0.0)
 
     return motion
@@ -57,13 +60,19 @@ def still(t):
 COEFFICIENTS = [0.3, -0.2, 0.1, 0.05, -0.02]
 WAYS = {
     "hold": ({"hold": True}, 0.4, still),
-    "harmonics": ({"harmonics": {"amplitude": [0.3, 0.1], "frequency": [0.5, 1.7], "phase_deg": [0, 40], "mean": 0.25}}, None, waves),
+    "harmonics": (
+        {"harmonics": {"amplitude": [0.3, 0.1], "frequency": [0.5, 1.7], "phase_deg": [0, 40], "mean": 0.25}},
+        None,
+        waves,
+    ),
     "polynomial": ({"polynomial": {"coefficients": COEFFICIENTS}}, None, polynomial),
     "ramp": ({"ramp": {"time": [0.5, 2.5], "position": [0.2, 1.5]}}, None, ramp),
     "ramp down": ({"ramp": {"time": [-1, 1], "position": [1, -1]}}, None, lambda t: ramp(t, -1, 1, 1, -2)),
     "speed_table": ({"speed_table": {"time": SPEEDS[0], "speed": SPEEDS[1]}}, 0.4, speeds("smooth", 0.4)),
     "linear speeds": (
-        {"speed_table": {"time": SPEEDS[0], "speed": SPEEDS[1], "interpolation": "linear"}}, 0.4, speeds("linear", 0.4)
+        {"speed_table": {"time": SPEEDS[0], "speed": SPEEDS[1], "interpolation": "linear"}},
+        0.4,
+        speeds("linear", 0.4),
     ),
 }
 
@@ -71,9 +80,16 @@ WAYS = {
 def crank(driver, start, kind="revolute"):
     """A body on a joint that is driven."""
     quantity = {"revolute": "angle", "prismatic": "position"}[kind]
-    joint = {kind: {}, "between": ["ground", "a"], "driver": driver, "output": [quantity, "speed", "acceleration"]}
+    joint = {
+        kind: {},
+        "between": ["ground", "a"],
+        "driver": driver,
+        "output": [quantity, "speed", "acceleration"],
+    }
     joint |= {} if start is None else {"start": {quantity: start}}
-    return mbdfmi.Scene(name="crank", gravity=[0, 0, 0], body={"a": {"mass": 1, "inertia": INERTIA}}, joint={"turn": joint})
+    return mbdfmi.Scene(
+        name="crank", gravity=[0, 0, 0], body={"a": {"mass": 1, "inertia": INERTIA}}, joint={"turn": joint}
+    )
 
 
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
@@ -95,17 +111,27 @@ def test_a_driver_moves_its_joint_as_it_says(kind, way):
 
 def four_bar(driver, start, formulation):
     """A crank and rocker, its crank driven."""
+
     def bar(length):
-        return {"mass": 1, "com": [length / 2, 0, 0], "inertia": INERTIA, "marker": {"e": {"position": [length, 0, 0]}}}
+        return {
+            "mass": 1,
+            "com": [length / 2, 0, 0],
+            "inertia": INERTIA,
+            "marker": {"e": {"position": [length, 0, 0]}},
+        }
 
     pin = {"revolute": {}}
     crank = pin | {"between": ["ground", "a"], "driver": driver, "output": ["angle", "speed", "acceleration"]}
     return mbdfmi.Scene(
-        name="four_bar", gravity=[0, -9.81, 0], solver={"formulation": formulation},
-        ground={"marker": {"r": {"position": [2.0, 0, 0]}}}, body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.5)},
+        name="four_bar",
+        gravity=[0, -9.81, 0],
+        solver={"formulation": formulation},
+        ground={"marker": {"r": {"position": [2.0, 0, 0]}}},
+        body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.5)},
         joint={
             "a": crank | ({} if start is None else {"start": {"angle": start}}),
-            "ab": pin | {"between": ["a.e", "b"]}, "c": pin | {"between": ["ground.r", "c"], "start": {"angle_deg": 100}},
+            "ab": pin | {"between": ["a.e", "b"]},
+            "c": pin | {"between": ["ground.r", "c"], "start": {"angle_deg": 100}},
             "bc": pin | {"between": ["b.e", "c.e"]},
         },
     )
@@ -127,7 +153,12 @@ def test_a_coupling_without_offset_starts_from_where_the_driver_is(way):
     driver, start, motion = WAYS[way]
     scene = crank(driver, start).model_dump(exclude_unset=True)
     scene["body"]["b"] = {"mass": 1, "inertia": INERTIA}
-    scene["joint"]["b"] = {"revolute": {}, "between": ["ground", "b"], "start": {"angle": -0.7}, "output": ["angle"]}
+    scene["joint"]["b"] = {
+        "revolute": {},
+        "between": ["ground", "b"],
+        "start": {"angle": -0.7},
+        "output": ["angle"],
+    }
     scene["coupling"] = {"mesh": {"gear": {"ratio": -0.5}, "between": ["turn", "b"]}}
     run = mbdfmi.Scene.model_validate(scene).simulate(until=3, step=0.25)
     position = motion(run["time"])[0]
@@ -135,7 +166,9 @@ def test_a_coupling_without_offset_starts_from_where_the_driver_is(way):
 
 
 def test_a_strut_without_rest_length_is_slack_at_the_driven_start():
-    scene = crank({"ramp": {"time": [1, 2], "position": [0.7, 0.1]}}, None, "prismatic").model_dump(exclude_unset=True)
+    scene = crank({"ramp": {"time": [1, 2], "position": [0.7, 0.1]}}, None, "prismatic").model_dump(
+        exclude_unset=True
+    )
     scene["body"]["a"]["marker"] = {"m": {"position": [0.3, 0, 0]}}
     strut = {"spring_damper": {"stiffness": 10}, "between": ["ground", "a.m"], "output": ["force", "length"]}
     scene["force"] = {"strut": strut}
@@ -147,7 +180,12 @@ def test_a_strut_without_rest_length_is_slack_at_the_driven_start():
 def test_parameters_of_drivers():
     """Amplitudes, frequencies and phases, ends of ramps, coefficients can be set before a run."""
     model = compile_scene(crank(*WAYS["harmonics"][:2]))
-    changed = {"turn.driver.amplitude[2]": 0.0, "turn.driver.mean": 1.0, "turn.driver.frequency[1]": 0.25, "turn.driver.phase[1]": 0.3}
+    changed = {
+        "turn.driver.amplitude[2]": 0.0,
+        "turn.driver.mean": 1.0,
+        "turn.driver.frequency[1]": 0.25,
+        "turn.driver.phase[1]": 0.3,
+    }
     run = simulate(model, 3, 0.5, parameters=changed)
     assert_near(run["turn.angle"], 1 + 0.3 * np.sin(np.pi / 2 * run["time"] + 0.3), 1e-14)
 
@@ -162,13 +200,17 @@ def test_parameters_of_drivers():
 
 def test_degrees_and_turns_a_minute():
     t, rpm = [0, 1, 2], [0, 30, 60]
-    run = crank({"speed_table": {"time": t, "speed_rpm": rpm, "interpolation": "linear"}}, None).simulate(until=2, step=0.5)
+    run = crank({"speed_table": {"time": t, "speed_rpm": rpm, "interpolation": "linear"}}, None).simulate(
+        until=2, step=0.5
+    )
     assert_near(run["turn.angle"], np.pi / 2 * run["time"] ** 2, 1e-14)
     run = crank({"ramp": {"time": [0, 1], "position_deg": [0, 90]}}, None).simulate(until=2, step=0.5)
     assert_near(run["turn.angle"], ramp(run["time"], 0, 1, 0, np.pi / 2)[0], 1e-15)
     run = crank({"polynomial": {"coefficients_deg": [90, 0, 10]}}, None).simulate(until=2, step=0.5)
     assert_near(run["turn.angle"], np.radians(90 + 10 * run["time"] ** 2), 1e-15)
-    run = crank({"harmonics": {"amplitude_deg": [10], "frequency": [1], "mean_deg": 5}}, None).simulate(until=1, step=0.1)
+    run = crank({"harmonics": {"amplitude_deg": [10], "frequency": [1], "mean_deg": 5}}, None).simulate(
+        until=1, step=0.1
+    )
     assert_near(run["turn.angle"], np.radians(5 + 10 * np.sin(2 * np.pi * run["time"])), 1e-15)
 
 
@@ -191,7 +233,11 @@ def test_straight_lines_of_a_position_are_told():
     "driver, start, said",
     [
         ({"hold": True}, {"speed": 1.0}, "the driver says how fast the joint starts"),
-        ({"ramp": {"time": [0, 1], "position": [0, 1]}}, {"angle": 1.0}, "the driver says where the joint starts"),
+        (
+            {"ramp": {"time": [0, 1], "position": [0, 1]}},
+            {"angle": 1.0},
+            "the driver says where the joint starts",
+        ),
         ({"ramp": {"time": [1, 1], "position": [0, 1]}}, {}, "must ascend"),
         ({"harmonics": {"amplitude": [1, 2], "frequency": [1]}}, {}, "each needs one of the other"),
         ({"harmonics": {"amplitude": [1], "frequency": [0]}}, {}, "must be greater than 0"),
@@ -200,7 +246,9 @@ def test_straight_lines_of_a_position_are_told():
     ],
 )
 def test_what_cannot_be_meant_is_refused(driver, start, said):
-    joint = {"revolute": {}, "between": ["ground", "a"], "driver": driver} | ({"start": start} if start else {})
+    joint = {"revolute": {}, "between": ["ground", "a"], "driver": driver} | (
+        {"start": start} if start else {}
+    )
 
     with pytest.raises(mbdfmi.SceneError, match=said.replace("?", r"\?")):
         mbdfmi.Scene(name="x", body={"a": {"mass": 1, "inertia": INERTIA}}, joint={"j": joint})

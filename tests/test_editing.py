@@ -115,7 +115,10 @@ def test_what_is_wrong_is_told_at_once_and_changes_nothing(arm, change, says):
 @pytest.mark.parametrize(
     "change, says",
     [
-        (lambda arm: setattr(arm.joint["elbow"], "between", ["upper.x", "lower"]), 'joint.elbow.*no marker "x" on body "upper"'),
+        (
+            lambda arm: setattr(arm.joint["elbow"], "between", ["upper.x", "lower"]),
+            'joint.elbow.*no marker "x" on body "upper"',
+        ),
         (lambda arm: arm.joint.pop("elbow"), "body.lower.*no chain of joints connects it to ground"),
         (lambda arm: arm.force.update(rope={"spring": {}}), 'force.rope.*Did you mean "spring_damper"'),
         (lambda arm: arm.output.append("energy"), 'output: no "energy" here'),

@@ -144,12 +144,15 @@ def test_mean_and_true_anomaly_and_mu_and_period_say_the_same():
     assert_near(np.linalg.norm(places[0][0]), 1.0, 1e-13)
 
 
-@pytest.mark.parametrize("orbit, told", [
-    ({"semi_major_axis": 7e6, "eccentricity": 0.1, "mu": 3.986e14}, False),
-    ({"semi_major_axis": 7e6, "eccentricity": 0.1, "period": 5828.5}, False),
-    ({"semi_major_axis": 7000.0, "eccentricity": 0.1, "mu": 398600.0}, True),
-    ({"semi_major_axis": 7e6, "eccentricity": 0.1, "mu": 3e14}, True),
-])
+@pytest.mark.parametrize(
+    "orbit, told",
+    [
+        ({"semi_major_axis": 7e6, "eccentricity": 0.1, "mu": 3.986e14}, False),
+        ({"semi_major_axis": 7e6, "eccentricity": 0.1, "period": 5828.5}, False),
+        ({"semi_major_axis": 7000.0, "eccentricity": 0.1, "mu": 398600.0}, True),
+        ({"semi_major_axis": 7e6, "eccentricity": 0.1, "mu": 3e14}, True),
+    ],
+)
 def test_an_orbit_about_another_centre_is_noticed(orbit, told):
     """As one in km about a centre in m."""
     ground = {"motion": {"elliptic_orbit": orbit}}

@@ -18,7 +18,12 @@ from mbdfmi.run.simulate import simulate
 
 formulations = pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
 EXACT = {"integrator": "rk853", "tolerance": 1e-11}
-BODY = {"mass": 1.3, "com": [0.1, -0.2, 0.15], "inertia": [0.4, 0.5, 0.6], "output": ["position", "euler_parameters"]}
+BODY = {
+    "mass": 1.3,
+    "com": [0.1, -0.2, 0.15],
+    "inertia": [0.4, 0.5, 0.6],
+    "output": ["position", "euler_parameters"],
+}
 AXES = ["tangent", "binormal", "normal"]
 BENDS = [[0, 0, 0], [1, 0.4, 0], [2, 0, 0.3], [3, -0.6, 0.2], [4, 0, 0], [5, 0.3, 0.1]]
 
@@ -161,7 +166,9 @@ def test_on_a_sphere(formulation, spin):
 @formulations
 def test_a_car_on_a_track_through_a_point_of_inflection(formulation):
     """Its attitude is that of the spline's tangent and of the side; nothing is lost on the way."""
-    scene = on_shape("frame_on_curve", {"spline": {"points": BENDS}}, {"side": [0, 0.1, 1]}, formulation=formulation)
+    scene = on_shape(
+        "frame_on_curve", {"spline": {"points": BENDS}}, {"side": [0, 0.1, 1]}, formulation=formulation
+    )
     scene["joint"]["hold"]["start"] = {"s": 0.5}
     scene["joint"]["move"]["start"] = {"velocity": [4.0, 0, 0]}
     scene["gravity"] = [0, 0, 0]
@@ -208,7 +215,9 @@ def test_the_reaction_of_a_car_on_a_circle():
     ],
 )
 def test_a_side_that_the_curve_becomes_parallel_to_is_refused(curve, side, where):
-    with pytest.raises(SceneError, match=r"frame_on_curve\.side.*is parallel to .*no normal.*farthest from") as told:
+    with pytest.raises(
+        SceneError, match=r"frame_on_curve\.side.*is parallel to .*no normal.*farthest from"
+    ) as told:
         compile_scene(Scene.model_validate(on_shape("frame_on_curve", curve, {"side": side})))
 
     assert where in str(told.value)
@@ -306,7 +315,9 @@ def test_a_car_driven_around_a_circle(formulation):
 def test_drivers_that_go_on_from_the_start(driver):
     results = run(bead("recursive", driver, start={"s": 0.7}))
     assert_near(results["hold.s"], 0.7 + driver.get("constant_speed", 0.0) * results["time"], 1e-13)
-    with pytest.raises(SceneError, match=r"\[joint\.hold\].*goes on from the parameter at the start.*start = "):
+    with pytest.raises(
+        SceneError, match=r"\[joint\.hold\].*goes on from the parameter at the start.*start = "
+    ):
         Scene.model_validate(bead("recursive", driver))
 
 
@@ -322,7 +333,9 @@ def test_what_a_driver_does_not_go_with():
 def test_commanded_in_an_fmu(tmp_path):
     """The parameter follows inputs at once, so that the bodies' positions depend on them; to the bits of a run in process."""
     model = compile_scene(Scene.model_validate(bead("recursive", {"input": True}, start={"s": 0.3})))
-    assert [v.name for v in model.of_causality("input")] == [f"hold.{x}_command" for x in ("s", "s_rate", "acceleration")]
+    assert [v.name for v in model.of_causality("input")] == [
+        f"hold.{x}_command" for x in ("s", "s_rate", "acceleration")
+    ]
     told = {v.name: v for v in model.variables}
     assert told["hold.s_command"].unit == "m" and told["hold.effort"].unit == "N"
     here = Instance(model)
@@ -330,7 +343,11 @@ def test_commanded_in_an_fmu(tmp_path):
     fmu.start()
 
     for k in range(3):
-        command = {"hold.s_command": 0.3 + 0.2 * k, "hold.s_rate_command": 0.2, "hold.acceleration_command": 0.0}
+        command = {
+            "hold.s_command": 0.3 + 0.2 * k,
+            "hold.s_rate_command": 0.2,
+            "hold.acceleration_command": 0.0,
+        }
         fmu.set(command)
         here.u[:3] = list(command.values())
         assert fmu.step(0.1 * k, 0.1) == OK

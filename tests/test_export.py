@@ -99,7 +99,10 @@ def test_fmi_3_is_the_same_fmu(exported, tmp_path):
 
     parameters = {array_of(v.name) for v in model.of_causality("parameter")}
 
-    for unknowns, led, more in ((description3.outputs, True, set()), (description3.initialUnknowns, False, parameters)):
+    for unknowns, led, more in (
+        (description3.outputs, True, set()),
+        (description3.initialUnknowns, False, parameters),
+    ):
         for unknown in unknowns:
             elements = [v for v in model.listed if array_of(v.name) == unknown.variable.name]
             known = [k for v in elements for k in (v.depends + v.led_by if led else v.depends)]
@@ -116,6 +119,7 @@ def test_fmi_3_is_the_same_fmu(exported, tmp_path):
 
 def test_arrays_are_whole_or_none():
     """Elements that do not follow each other by rows, or have another array's name, stay scalars."""
+
     def made(*names):
         return [Variable(name, "input", "continuous", 0.0, "N", "", k) for k, name in enumerate(names)]
 
@@ -264,7 +268,10 @@ def test_a_spring_without_an_input_feeds_nothing():
     """Of a reaction of the ground; once it depended on an input before the first."""
     scene = chain(1)
     scene.ground.output = ["reaction_force"]
-    scene.force["spring"] = {"spring_damper": {"stiffness": 10, "rest_length": 0.5}, "between": ["ground", "b0.end"]}
+    scene.force["spring"] = {
+        "spring_damper": {"stiffness": 10, "rest_length": 0.5},
+        "between": ["ground", "b0.end"],
+    }
     model = scene.compile()
     assert {v.depends for v in model.of_causality("output")} == {()}
 

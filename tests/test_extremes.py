@@ -25,7 +25,9 @@ from mbdfmi.scene import read_scene
 MODELS = Path(__file__).parents[1] / "models"
 VALUES = [1e12, 1e30, 1e300, -1e30]
 STEPS = [1e-300, 1e300]
-ALLOWED = 30.0  # s of the processor, that a case may take: 10 are meant, on a machine that is not held up by others
+ALLOWED = (
+    30.0  # s of the processor, that a case may take: 10 are meant, on a machine that is not held up by others
+)
 HANGS = 120.0  # s, after which a case is given up
 HEAD = 24  # bytes of a resource file before what its checksum is of
 HEAD_OF_STATE = 16 + 24 + 64  # bytes of a serialised state before its core
@@ -91,7 +93,9 @@ def try_step(instance, H):
 
 def cases(library):
     settable = [*library.references("input"), *library.references("parameter")]
-    yield from ((try_value, when, k, value) for k in settable for when in ("start", "later") for value in VALUES)
+    yield from (
+        (try_value, when, k, value) for k in settable for when in ("start", "later") for value in VALUES
+    )
     yield from ((try_step, H) for H in STEPS)
 
 
@@ -121,9 +125,16 @@ def faults(fmu, folder, every):
 
     while True:
         command = [sys.executable, __file__, str(fmu), str(folder), str(first), str(every)]
-        child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})
+        child = subprocess.Popen(
+            command,
+            stdout=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        )
         lines = Queue()
-        threading.Thread(target=lambda: [lines.put(line.strip()) for line in child.stdout] + [lines.put(None)], daemon=True).start()
+        threading.Thread(
+            target=lambda: [lines.put(line.strip()) for line in child.stdout] + [lines.put(None)], daemon=True
+        ).start()
         before = case
 
         while True:
@@ -150,7 +161,9 @@ def faults(fmu, folder, every):
         first = int(case.split()[0]) + 1
 
 
-@pytest.mark.parametrize("name, every", [("two_link_arm", 7), ("cam_follower", 29), ("pendulum", 11), ("satellite", 17)])
+@pytest.mark.parametrize(
+    "name, every", [("two_link_arm", 7), ("cam_follower", 29), ("pendulum", 11), ("satellite", 17)]
+)
 def test_absurd_values(tmp_path, name, every):
     assert not faults(export_fmu(model_of(name), tmp_path / "x.fmu"), tmp_path / "x", every)
 
@@ -180,7 +193,9 @@ def test_wrong_numbers_in_a_resource_are_refused(library, tmp_path, name):
     instance = instance_of(library, tmp_path / name, model, data)
     assert instance.component
     instance.free()
-    places = [8 * k for k in range(7)] + [144 + 8 * int(k) for k in rng.integers(len(model.ints) + len(model.reals), size=60)]
+    places = [8 * k for k in range(7)] + [
+        144 + 8 * int(k) for k in rng.integers(len(model.ints) + len(model.reals), size=60)
+    ]
 
     for at in places:
         old = struct.unpack_from("<q", data, HEAD + at)[0]
@@ -191,7 +206,9 @@ def test_wrong_numbers_in_a_resource_are_refused(library, tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["two_link_arm", "four_bar", "bricard"])
-@pytest.mark.parametrize("values", [[math.nan, math.inf, 0.5, -1.0], pytest.param([-1e300, 1e18], marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "values", [[math.nan, math.inf, 0.5, -1.0], pytest.param([-1e300, 1e18], marks=pytest.mark.long)]
+)
 def test_absurd_states_are_refused_or_harmless(library, tmp_path, name, values):
     """A state with a mended checksum and an absurd number in it: refused, or what follows is finite or fails."""
     model = model_of(name)

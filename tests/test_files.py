@@ -81,7 +81,9 @@ def test_a_scene_is_never_overwritten(scene, refused, command):
 def test_the_motion_is_never_overwritten(scene, refused):
     motion = scene.parent / "motion.csv"
     motion.write_text("time,pivot.angle\n0,0\n1,1\n")
-    assert "is read by this command" in refused("inverse", "scene.toml", "--motion", motion, "--csv", "motion.csv")
+    assert "is read by this command" in refused(
+        "inverse", "scene.toml", "--motion", motion, "--csv", "motion.csv"
+    )
     assert motion.read_text().startswith("time,")
 
 

@@ -84,7 +84,12 @@ def test_mass_properties():
     # the reference gives the nacelle yaw inertia alone and the hub none across the shaft: no body can
     # be so; the least that ours need adds 0.93e6 kg m2, 0.02 % of the whole
     reference = np.diag([mass, mass, mass, 4293780035.57, 4278513191.25, 1479494284.77])
-    reference[0, 4], reference[1, 3], reference[1, 5], reference[2, 4] = 43081936.9, -43081936.9, -145182.2, 145182.2
+    reference[0, 4], reference[1, 3], reference[1, 5], reference[2, 4] = (
+        43081936.9,
+        -43081936.9,
+        -145182.2,
+        145182.2,
+    )
     reference[3, 5] = 11688340.7
     reference += np.triu(reference, 1).T
     scale = np.sqrt(np.outer(np.diag(reference), np.diag(reference)))
@@ -159,7 +164,9 @@ def test_controller_regions(parts):
     assert generator_torque(150.0, 0.2) * 150.0 == pytest.approx(5_296_610)
 
     for edge in (CUT_IN, OPTIMAL_FROM, RATED):
-        assert generator_torque(edge - 1e-6, 0.0) == pytest.approx(generator_torque(edge + 1e-6, 0.0), abs=0.1)
+        assert generator_torque(edge - 1e-6, 0.0) == pytest.approx(
+            generator_torque(edge + 1e-6, 0.0), abs=0.1
+        )
 
 
 # ---- motion in process

@@ -222,7 +222,19 @@ def test_before_the_start(new):
 
 def test_other_types(arm):
     one = (ctypes.c_uint * 1)(0)
-    for kind in ("Float32", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Boolean", "String"):
+    for kind in (
+        "Float32",
+        "Int8",
+        "UInt8",
+        "Int16",
+        "UInt16",
+        "Int32",
+        "UInt32",
+        "Int64",
+        "UInt64",
+        "Boolean",
+        "String",
+    ):
         for verb in ("Get", "Set"):
             assert arm.call(f"fmi3{verb}{kind}", one, c_size_t(1), None, c_size_t(0)) == ERROR
             assert f"value reference 0 is no {kind}" in arm.message

@@ -619,11 +619,20 @@ def test_input_derivatives_act_in_the_step(new):
 
 def test_outputs_follow_input_derivatives(tmp_path):
     """Where a position alone is commanded, its derivative is the speed: read, told, read again, as in process."""
-    joint = {"revolute": {}, "between": ["ground", "b"], "driver": {"input": ["angle"]}, "output": ["angle", "speed"]}
+    joint = {
+        "revolute": {},
+        "between": ["ground", "b"],
+        "driver": {"input": ["angle"]},
+        "output": ["angle", "speed"],
+    }
     scene = Scene(name="told", body={"b": {"mass": 1, "inertia": [1, 1, 1]}}, joint={"j": joint})
     library = Library(export_fmu(compile_scene(scene), tmp_path / "told.fmu"), tmp_path / "told")
     fmu = Instance(library).start()
-    assert fmu.set({"j.angle_command": 0.2}) == OK and fmu.value("j.angle") == 0.2 and fmu.value("j.speed") == 0.0
+    assert (
+        fmu.set({"j.angle_command": 0.2}) == OK
+        and fmu.value("j.angle") == 0.2
+        and fmu.value("j.speed") == 0.0
+    )
     assert fmu.set_derivatives("j.angle_command", 1, 0.7) == OK
     assert fmu.value("j.speed") == pytest.approx(0.7, abs=1e-15)
     fmu.free()

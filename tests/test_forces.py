@@ -17,7 +17,11 @@ TIGHT = {"tolerance": 1e-12}
 
 def slider(force=None, *, mass=2.0, axis="x", gravity=(0, 0, 0), solver=TIGHT, **joint):
     """A block on a prismatic joint; `force` acts on it along the joint."""
-    joint = {"prismatic": {"axis": axis}, "between": ["ground", "block"], "output": ["position", "speed"]} | joint
+    joint = {
+        "prismatic": {"axis": axis},
+        "between": ["ground", "block"],
+        "output": ["position", "speed"],
+    } | joint
     spec = {
         "name": "slider",
         "gravity": gravity,
@@ -38,7 +42,9 @@ def slider(force=None, *, mass=2.0, axis="x", gravity=(0, 0, 0), solver=TIGHT, *
 
 def test_two_points_make_a_linear_spring():
     m, k = 2.0, 50.0
-    model = slider(spring={"table": {"position": [-1, 1], "effort": [-k, k]}}, start={"position": 2.5}, mass=m)
+    model = slider(
+        spring={"table": {"position": [-1, 1], "effort": [-k, k]}}, start={"position": 2.5}, mass=m
+    )
     run = simulate(model, 3.0, 0.1)
     assert_near(run["slide.position"], 2.5 * np.cos(np.sqrt(k / m) * run["time"]), 1e-9)
 
@@ -60,7 +66,7 @@ def test_cubic_spring_by_table_has_the_period_of_its_polynomial():
 def test_damper_table_is_odd_where_its_points_are():
     """v' = -c v^2 / m by a table: v = v0 / (1 + c v0 t / m)."""
     v = np.linspace(0, 3, 601)
-    table = {"speed": np.concatenate([-v[:0:-1], v]), "effort": np.concatenate([-v[:0:-1] ** 2, v**2])}
+    table = {"speed": np.concatenate([-v[:0:-1], v]), "effort": np.concatenate([-(v[:0:-1] ** 2), v**2])}
     table["interpolation"] = "monotone"
     run = simulate(slider(damper={"table": table}, start={"speed": -3.0}), 4.0, 0.5)
     assert_near(run["slide.speed"], -3 / (1 + 3 * run["time"] / 2), 1e-6)
@@ -95,13 +101,21 @@ def stick_slip(smoothing):
     slide = {"prismatic": {"axis": "x"}}
     block = {"mass": 1, "inertia": [0.01] * 3}
     scene = Scene(
-        name="belt", gravity=[0, 0, 0], solver={"output": ["evaluations"]}, body={"belt": block, "block": block},
+        name="belt",
+        gravity=[0, 0, 0],
+        solver={"output": ["evaluations"]},
+        body={"belt": block, "block": block},
         ground={"marker": {"far": {"position": [-1, 0, 0]}}},
         joint={
             "belt": slide | {"between": ["ground", "belt"], "driver": {"constant_speed": 0.2}},
             "rub": slide | {"between": ["belt", "block"], "friction": friction},
         },
-        force={"spring": {"spring_damper": {"stiffness": 50, "rest_length": 1}, "between": ["ground.far", "block"]}},
+        force={
+            "spring": {
+                "spring_damper": {"stiffness": 50, "rest_length": 1},
+                "between": ["ground.far", "block"],
+            }
+        },
     )
     return simulate(compile_scene(scene), 6.0, 0.05)["solver.evaluations"][-1]
 
@@ -110,7 +124,9 @@ def turning_back(smoothing):
     """A block on a spring that comes to rest by friction: evaluations for 6 s."""
     solver = {"output": ["evaluations"]}
     friction = {"coulomb": 1.0} | smoothing
-    model = slider(mass=1.0, spring={"stiffness": 100}, friction=friction, start={"position": 0.205}, solver=solver)
+    model = slider(
+        mass=1.0, spring={"stiffness": 100}, friction=friction, start={"position": 0.205}, solver=solver
+    )
     return simulate(model, 6.0, 0.05)["solver.evaluations"][-1]
 
 
@@ -179,7 +195,12 @@ def test_damped_stop_gives_back_what_its_restitution_says(side):
 def two_blocks(strut, **more):
     """Two blocks on the x axis, a strut between them."""
     joints = {
-        name: {"prismatic": {"axis": "x"}, "between": ["ground", name], "start": start, "output": ["acceleration"]}
+        name: {
+            "prismatic": {"axis": "x"},
+            "between": ["ground", name],
+            "start": start,
+            "output": ["acceleration"],
+        }
         for name, start in (("a", {"position": -1.0, "speed": 0.3}), ("b", {"position": 0.5, "speed": -0.4}))
     }
     return compile_scene(
@@ -224,9 +245,15 @@ def floating(**load):
                 "gravity": [0, 0, 0],
                 "solver": TIGHT,
                 "body": {
-                    "craft": {"mass": 2.0, "inertia": [1, 2, 2.5], "output": ["position", "velocity", "omega"]}
+                    "craft": {
+                        "mass": 2.0,
+                        "inertia": [1, 2, 2.5],
+                        "output": ["position", "velocity", "omega"],
+                    }
                 },
-                "joint": {"free": {"free": {}, "between": ["ground", "craft"], "start": {"omega": [0, 0, 0.8]}}},
+                "joint": {
+                    "free": {"free": {}, "between": ["ground", "craft"], "start": {"omega": [0, 0, 0.8]}}
+                },
                 "force": {"thrust": {"load": load, "on": "craft"}},
             }
         )
@@ -273,12 +300,17 @@ def test_kepler_orbit():
             "central_gravity": {"mu": 1.0},
             "solver": {"integrator": "rk853", "tolerance": 1e-13},
             "output": ["total_energy", "angular_momentum"],
-            "body": {"moon": {"mass": m, "inertia": [0.1, 0.1, 0.1], "com": [0.1, 0, 0], "output": ["position"]}},
+            "body": {
+                "moon": {"mass": m, "inertia": [0.1, 0.1, 0.1], "com": [0.1, 0, 0], "output": ["position"]}
+            },
             "joint": {
                 "free": {
                     "free": {},
                     "between": ["ground", "moon"],
-                    "start": {"position": [1 - e - 0.1, 0, 0], "velocity": [0, np.sqrt((1 + e) / (1 - e)), 0]},
+                    "start": {
+                        "position": [1 - e - 0.1, 0, 0],
+                        "velocity": [0, np.sqrt((1 + e) / (1 - e)), 0],
+                    },
                 }
             },
         }
@@ -308,12 +340,28 @@ def test_energy_goes_where_dampers_and_friction_take_it():
             "output": ["total_energy"],
             "solver": TIGHT,
             "body": {
-                name: {"mass": 1.0, "com": [0, 0, -0.4], "inertia": [0.1, 0.1, 0.1], "marker": {"m": {"position": [0, 0, -0.8]}}}
+                name: {
+                    "mass": 1.0,
+                    "com": [0, 0, -0.4],
+                    "inertia": [0.1, 0.1, 0.1],
+                    "marker": {"m": {"position": [0, 0, -0.8]}},
+                }
                 for name in ("a", "b")
             },
             "joint": {
-                "j1": {"revolute": {"axis": "y"}, "between": ["ground", "a"], "spring": law, "damper": drag, "stop": stop},
-                "j2": {"revolute": {"axis": "x"}, "between": ["a.m", "b"], "friction": friction, "spring": law},
+                "j1": {
+                    "revolute": {"axis": "y"},
+                    "between": ["ground", "a"],
+                    "spring": law,
+                    "damper": drag,
+                    "stop": stop,
+                },
+                "j2": {
+                    "revolute": {"axis": "x"},
+                    "between": ["a.m", "b"],
+                    "friction": friction,
+                    "spring": law,
+                },
             },
             "force": {
                 "strut": {
@@ -337,7 +385,11 @@ def test_energy_goes_where_dampers_and_friction_take_it():
         w, rd = rows(d.w, 3)[2], rows(d.rd, 3)[2]
         arm = rows(d.A, 3, 3)[2] @ rows(m.marker_r, 3)[m.load_marker[0]]
         rate = np.dot(force, rd + np.cross(w, arm)) + np.dot(moment, w)
-        rate -= np.interp(v[0], x, x**3 + x) * v[0] + dry_friction.resistance(m, 0, v[1]) * v[1] + 0.3 * stretch**2
+        rate -= (
+            np.interp(v[0], x, x**3 + x) * v[0]
+            + dry_friction.resistance(m, 0, v[1]) * v[1]
+            + 0.3 * stretch**2
+        )
 
         # the energy's slope along x'
         h = 1e-3
@@ -387,7 +439,13 @@ def test_what_slips_goes_at_once_and_comes_to_rest(tolerance, before, after):
 
 def block_with_friction(integrator, tolerance):
     """1 kg that slides with a friction of 1 N under a force that is input, and tells its speed."""
-    slide = {"prismatic": {}, "between": ["ground", "b"], "friction": {"coulomb": 1.0}, "input": "force", "output": ["speed"]}
+    slide = {
+        "prismatic": {},
+        "between": ["ground", "b"],
+        "friction": {"coulomb": 1.0},
+        "input": "force",
+        "output": ["speed"],
+    }
     scene = Scene(
         name="block",
         gravity=[0, 0, 0],

@@ -18,7 +18,12 @@ FORMULATIONS = ("recursive", "embedding", "augmented")
 
 def satellite(body, radius, rate, pitch=0.0, formulation="recursive", **start):
     """A body on a circular orbit in the plane z = 0, now at (radius, 0, 0), turned by `pitch` (rad) from the radius, turning along."""
-    start = {"position": [radius, 0, 0], "velocity": [0, radius * rate, 0], "zyx_rad": [pitch, 0, 0], "omega": [0, 0, rate]} | start
+    start = {
+        "position": [radius, 0, 0],
+        "velocity": [0, radius * rate, 0],
+        "zyx_rad": [pitch, 0, 0],
+        "omega": [0, 0, rate],
+    } | start
     return {
         "name": "satellite",
         "central_gravity": {"mu": 1.0, "gradient": True},
@@ -64,7 +69,11 @@ def tumbling(formulation="recursive"):
     body = {"inertia": [0.02, 0.05, 0.06, 0.004, -0.003, 0.002], "com": [0.02, -0.03, 0.05]}
     data = satellite(body, 1.2, 0.7, 0.3, formulation, omega=[0.5, -0.4, 0.9])
     data["body"]["arm"] = {"mass": 0.5, "inertia": [0.01, 0.04, 0.04], "com": [0.1, 0, 0]}
-    data["joint"]["hinge"] = {"revolute": {"axis": [0, 1, 1]}, "between": ["sat", "arm"], "start": {"angle": 0.4, "speed": -0.6}}
+    data["joint"]["hinge"] = {
+        "revolute": {"axis": [0, 1, 1]},
+        "between": ["sat", "arm"],
+        "start": {"angle": 0.4, "speed": -0.6},
+    }
     return data
 
 

@@ -60,7 +60,12 @@ def targets(module, node):
         if parts[0] == "mbdfmi":
             # a module, else a name in one, else a name in a package
             inside = ".".join(parts[1:])
-            candidates = (inside, f"{inside}.__init__", ".".join(parts[1:-1]), ".".join([*parts[1:-1], "__init__"]))
+            candidates = (
+                inside,
+                f"{inside}.__init__",
+                ".".join(parts[1:-1]),
+                ".".join([*parts[1:-1], "__init__"]),
+            )
             yield next(found for found in candidates if found in modules())
 
 
@@ -88,7 +93,9 @@ def test_every_room_has_its_floor():
 
 def test_the_hash_of_the_kernels_sees_all_that_they_import():
     outside = {target for module, found in imports().items() if room(module) == "kernels" for target in found}
-    assert {target for target in outside if room(target) not in ("kernels", "native")} == set(kernel_sources.OUTSIDE)
+    assert {target for target in outside if room(target) not in ("kernels", "native")} == set(
+        kernel_sources.OUTSIDE
+    )
 
 
 def test_a_room_imports_from_rooms_below_it_alone():
@@ -126,7 +133,9 @@ def test_no_room_within_a_room_stands_in_a_circle():
         for module, found in imports().items():
             if module.startswith(prefix) and not module.endswith("__init__"):
                 part = module.removeprefix(prefix).split(".")[0]
-                inside = {target.removeprefix(prefix).split(".")[0] for target in found if target.startswith(prefix)}
+                inside = {
+                    target.removeprefix(prefix).split(".")[0] for target in found if target.startswith(prefix)
+                }
                 graph.setdefault(part, set()).update(inside - {part, "__init__"})
 
         assert circle(graph) is None, folder

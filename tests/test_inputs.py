@@ -10,15 +10,28 @@ import mbdfmi
 def cart(**solver):
     """1 kg along x under a force; free otherwise."""
     return mbdfmi.Scene(
-        name="cart", gravity=[0, 0, 0], body={"a": {"mass": 1, "inertia": [0, 0, 0]}},
-        joint={"j": {"prismatic": {}, "between": ["ground", "a"], "input": "force", "output": ["position", "speed"]}},
+        name="cart",
+        gravity=[0, 0, 0],
+        body={"a": {"mass": 1, "inertia": [0, 0, 0]}},
+        joint={
+            "j": {
+                "prismatic": {},
+                "between": ["ground", "a"],
+                "input": "force",
+                "output": ["position", "speed"],
+            }
+        },
         solver={"output": ["evaluations"]} | solver,
     )
 
 
 SMOOTH = {
     "sine": (np.sin, lambda t: t - np.sin(t), lambda t: 1 - np.cos(t)),
-    "fast": (lambda t: 100 * np.sin(10 * t), lambda t: 10 * t - np.sin(10 * t), lambda t: 10 - 10 * np.cos(10 * t)),
+    "fast": (
+        lambda t: 100 * np.sin(10 * t),
+        lambda t: 10 * t - np.sin(10 * t),
+        lambda t: 10 - 10 * np.cos(10 * t),
+    ),
     "decay": (lambda t: np.exp(-t), lambda t: t - 1 + np.exp(-t), lambda t: 1 - np.exp(-t)),
     "ramp": (lambda t: 1e6 * t, lambda t: 1e6 * t**3 / 6, lambda t: 1e6 * t**2 / 2),
     "bell": (lambda t: 2 * t * np.exp(-t * t), None, lambda t: 1 - np.exp(-t * t)),
@@ -44,7 +57,11 @@ def test_smooth_functions_within_a_hundred_tolerances(name, step):
 def test_with_every_stepper(integrator):
     fixed = {"step": 0.01} if integrator in ("gauss", "ros2", "rk4") else {}
     results = cart(integrator=integrator, **fixed).simulate(until=2, step=0.1, inputs={"j.force": np.sin})
-    assert_allclose(results["j.position"], results["time"] - np.sin(results["time"]), atol=2e-5 if integrator == "ros2" else 1e-7)
+    assert_allclose(
+        results["j.position"],
+        results["time"] - np.sin(results["time"]),
+        atol=2e-5 if integrator == "ros2" else 1e-7,
+    )
 
 
 @pytest.mark.parametrize("at", [0.3, 1 / 3, 0.5, 0.9999999, 1e-7, 0.2])
@@ -103,7 +120,8 @@ def test_arrays_are_held():
 
 def wrench():
     return mbdfmi.Scene(
-        name="wrench", gravity=[0, 0, 0],
+        name="wrench",
+        gravity=[0, 0, 0],
         body={"a": {"mass": 2, "inertia": [1, 1, 1], "input": ["force"], "output": ["velocity"]}},
         joint={"j": {"free": {}, "between": ["ground", "a"]}},
     )
@@ -127,7 +145,10 @@ def test_functions_of_arrays():
         (lambda t: None, "'j.force': its function must return a finite number; found None at 0 s"),
         (lambda t: [1.0, 2.0], "must return a finite number; found [1.0, 2.0] at 0 s"),
         (lambda t: "1", "must return a finite number"),
-        (lambda t: 1.0 if t < 0.3 else np.nan, "'j.force': its function must return a finite number; found nan at 0.3"),
+        (
+            lambda t: 1.0 if t < 0.3 else np.nan,
+            "'j.force': its function must return a finite number; found nan at 0.3",
+        ),
         (lambda t: 1 / (0.7 - t) if t < 0.7 else np.inf, "found inf at"),
     ],
 )
@@ -138,7 +159,10 @@ def test_inputs_that_are_refused(given, said):
     assert said in str(error.value)
 
 
-@pytest.mark.parametrize("arguments", [{"until": "1"}, {"until": 1, "step": "0.1"}, {"until": None}, {"until": 1, "start_time": "0"}])
+@pytest.mark.parametrize(
+    "arguments",
+    [{"until": "1"}, {"until": 1, "step": "0.1"}, {"until": None}, {"until": 1, "start_time": "0"}],
+)
 def test_times_that_are_no_numbers(arguments):
     with pytest.raises(ValueError, match="needs a number, found"):
         cart().simulate(**arguments)

@@ -35,7 +35,9 @@ def pendulum(angle, gravity=(0, 0, -9.81), **solver):
     """A bar on a revolute joint about y, from rest."""
     body = {"mass": 1.0, "com": [0, 0, -0.5], "inertia": [1 / 12, 1 / 12, 0.001]}
     joint = {"revolute": {"axis": "y"}, "between": ["ground", "bar"], "start": {"angle": angle}}
-    return instance_of({"name": "p", "gravity": gravity, "body": {"bar": body}, "joint": {"j": joint}, "solver": solver})
+    return instance_of(
+        {"name": "p", "gravity": gravity, "body": {"bar": body}, "joint": {"j": joint}, "solver": solver}
+    )
 
 
 def runaway(**solver):
@@ -47,7 +49,9 @@ def runaway(**solver):
             "gravity": [0, 0, 0],
             "solver": solver,
             "body": {"cart": {"mass": 1.0, "inertia": [1, 1, 1]}},
-            "joint": {"rail": {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "start": {"speed": 1.0}}},
+            "joint": {
+                "rail": {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "start": {"speed": 1.0}}
+            },
             "force": {"drag": {"linear": {"damping": drag}, "between": ["ground", "cart"]}},
         }
     )
@@ -231,7 +235,9 @@ def test_communication_steps_do_not_change_the_result_beyond_the_tolerance():
 # inputs inside a communication step
 
 
-@pytest.mark.parametrize("solver", [{"integrator": "rk4", "step": 0.01}, {"integrator": "rk4", "step": 5.0}, {}])
+@pytest.mark.parametrize(
+    "solver", [{"integrator": "rk4", "step": 0.01}, {"integrator": "rk4", "step": 5.0}, {}]
+)
 def test_a_force_of_t_squared(solver):
     """F = t^2 as u = u' = 0, u'' = 2: x' = t^3 / 6, x = t^4 / 24 with 2 kg. Both methods integrate it exactly."""
     instance = cart(**solver)
@@ -262,7 +268,14 @@ def test_outputs_feel_the_inputs_value_alone():
         "name": "cart",
         "gravity": [0, 0, 0],
         "body": {"cart": {"mass": 2.0, "inertia": [1, 1, 1]}},
-        "joint": {"rail": {"prismatic": {}, "between": ["ground", "cart"], "input": "force", "output": ["acceleration"]}},
+        "joint": {
+            "rail": {
+                "prismatic": {},
+                "between": ["ground", "cart"],
+                "input": "force",
+                "output": ["acceleration"],
+            }
+        },
     }
     instance = instance_of(scene)
     instance.u[:3] = [3.0, 100.0, 1e6]
@@ -321,7 +334,9 @@ def test_inertia_without_a_part_is_named(turned, com):
         "name": "bead",
         "ground": {"marker": {"site": {"zyx_deg": turned}}},
         "body": {"bead": {"mass": 2.0, "com": com, "inertia": [0, 0, 0]}},
-        "joint": {"hinge": {"revolute": {"axis": com if any(com) else "x"}, "between": ["ground.site", "bead"]}},
+        "joint": {
+            "hinge": {"revolute": {"axis": com if any(com) else "x"}, "between": ["ground.site", "bead"]}
+        },
     }
 
     with pytest.raises(SimulationError, match="inertia about the joint of bead"):
@@ -331,7 +346,11 @@ def test_inertia_without_a_part_is_named(turned, com):
 def test_a_slender_rod_is_not_singular():
     """Thirteen orders between its moments of inertia about a spherical joint are few enough."""
     rod = {"mass": 1.0, "com": [0, 0, -1], "inertia": [1e-12, 1e-12, 1e-13]}
-    scene = {"name": "rod", "body": {"rod": rod}, "joint": {"j": {"spherical": {}, "between": ["ground", "rod"]}}}
+    scene = {
+        "name": "rod",
+        "body": {"rod": rod},
+        "joint": {"j": {"spherical": {}, "between": ["ground", "rod"]}},
+    }
     instance = instance_of(scene)
     instance.step(0.1)
     assert np.all(np.isfinite(instance.d.x))
@@ -371,7 +390,11 @@ def test_time_after_a_failure_is_that_of_the_state():
 
 def test_a_scene_that_cannot_move_keeps_time():
     body = {"mass": 1.0, "inertia": [1, 1, 1]}
-    scene = {"name": "rock", "body": {"rock": body}, "joint": {"j": {"fixed": {}, "between": ["ground", "rock"]}}}
+    scene = {
+        "name": "rock",
+        "body": {"rock": body},
+        "joint": {"j": {"fixed": {}, "between": ["ground", "rock"]}},
+    }
     instance = instance_of(scene)
     instance.step(2.5)
     assert instance.time == 2.5

@@ -19,9 +19,19 @@ def arm(n, gravity=(0, -9.81, 0), solver=TIGHT, **more):
 
     for k in range(1, n + 1):
         marker = {"end": {"position": [1 / k, 0, 0]}}
-        body[f"link{k}"] = {"mass": 3.0 / k, "com": [0.4 / k, 0, 0], "inertia": [0.01, 0.1 / k, 0.1 / k], "marker": marker}
+        body[f"link{k}"] = {
+            "mass": 3.0 / k,
+            "com": [0.4 / k, 0, 0],
+            "inertia": [0.01, 0.1 / k, 0.1 / k],
+            "marker": marker,
+        }
         before = f"link{k - 1}.end" if k > 1 else "ground"
-        joint[f"q{k}"] = {"revolute": {}, "between": [before, f"link{k}"], "input": "torque", "output": ["angle", "speed"]} | more
+        joint[f"q{k}"] = {
+            "revolute": {},
+            "between": [before, f"link{k}"],
+            "input": "torque",
+            "output": ["angle", "speed"],
+        } | more
 
     return Scene(name="arm", gravity=gravity, body=body, joint=joint, solver=solver)
 
@@ -45,7 +55,9 @@ def forward(scene, efforts, times):
     """Outputs (n, n_y) of a run with inputs that are splines over time, exact to second order over
     each step.
     """
-    instance = Instance(scene.compile(), inputs={k: float(efforts[v.name](times[0])) for k, v in enumerate(inputs_of(scene))})
+    instance = Instance(
+        scene.compile(), inputs={k: float(efforts[v.name](times[0])) for k, v in enumerate(inputs_of(scene))}
+    )
     n, rows = instance.model.n_u, []
 
     for k, t in enumerate(times):
@@ -95,7 +107,9 @@ def test_forward_then_inverse_of_a_loop_gives_the_torque_back():
     scene = Scene(**scene, solver=TIGHT)
     torque = make_interp_spline(TIMES, 20 * np.sin(3 * TIMES), k=5)
     moved = forward(scene, {"A.torque": torque}, TIMES)
-    found = scene.inverse({"time": TIMES} | {name: moved[name] for name in ("A.angle", "A.speed", "A.acceleration")})
+    found = scene.inverse(
+        {"time": TIMES} | {name: moved[name] for name in ("A.angle", "A.speed", "A.acceleration")}
+    )
 
     np.testing.assert_allclose(found["A.torque"], 20 * np.sin(3 * TIMES), atol=1e-6)
 
@@ -107,7 +121,9 @@ def test_free_motion_needs_no_effort(tmp_path):
     found = scene.inverse(results.to_csv(tmp_path / "run.csv"))
 
     assert np.abs(found["A.torque"]).max() < 1e-9
-    np.testing.assert_allclose(found["A.reaction_force"][:, :2], results["A.reaction_force"][:, :2], atol=1e-5)
+    np.testing.assert_allclose(
+        found["A.reaction_force"][:, :2], results["A.reaction_force"][:, :2], atol=1e-5
+    )
 
 
 # with virtual work
@@ -153,7 +169,11 @@ def four_bar_motion(angle, speed, acceleration, lengths, span):
 def test_driven_four_bar_against_virtual_work():
     lengths, span = (0.5, 2.0, 1.5), 2.0
     scene = four_bar(lengths, span)
-    angle, speed, acceleration = (lambda t: 1 + 3 * t + np.sin(t), lambda t: 3 + np.cos(t), lambda t: -np.sin(t))
+    angle, speed, acceleration = (
+        lambda t: 1 + 3 * t + np.sin(t),
+        lambda t: 3 + np.cos(t),
+        lambda t: -np.sin(t),
+    )
     times = np.linspace(0, 3, 61)
     found = scene.inverse({"A.angle": angle, "A.speed": speed, "A.acceleration": acceleration}, times)
     expected = []
@@ -161,7 +181,9 @@ def test_driven_four_bar_against_virtual_work():
     for t in times:
         power = 0.0
 
-        for length, (_, v, a, w, z) in zip(lengths, four_bar_motion(angle(t), speed(t), acceleration(t), lengths, span)):
+        for length, (_, v, a, w, z) in zip(
+            lengths, four_bar_motion(angle(t), speed(t), acceleration(t), lengths, span)
+        ):
             power += ((a + 9.81j) * v.conjugate()).real + length**2 / 12 * z * w
 
         expected.append(power / speed(t))
@@ -292,7 +314,9 @@ def test_too_many_drives():
 def test_a_body_that_no_motor_can_hold():
     ball = {"mass": 1.0, "inertia": [1, 1, 1]}
     scene = Scene(name="ball", body={"b": ball}, joint={"j": {"free": {}, "between": ["ground", "b"]}})
-    with pytest.raises(ValueError, match="leaves 6 degrees of freedom undetermined; no revolute or prismatic"):
+    with pytest.raises(
+        ValueError, match="leaves 6 degrees of freedom undetermined; no revolute or prismatic"
+    ):
         scene.inverse({}, TIMES)
 
 

@@ -58,7 +58,10 @@ def random_tree(seed, n, kinds):
         kind, name, parent = str(rng.choice(kinds)), f"body{k}", f"body{rng.integers(k)}" if k else "ground"
         body[name] = random_body(rng)
         ends = [add_marker(parent), add_marker(name)]
-        options = {"universal": {"axes": np.linalg.qr(rng.normal(size=(3, 3)))[0][:2].tolist()}, "planar": {"normal": unit(rng).tolist()}}
+        options = {
+            "universal": {"axes": np.linalg.qr(rng.normal(size=(3, 3)))[0][:2].tolist()},
+            "planar": {"normal": unit(rng).tolist()},
+        }
         plain = {} if kind in ("spherical", "free", "translation") else {"axis": unit(rng).tolist()}
         spec = {kind: options.get(kind, plain) | ({"pitch": 0.8} if kind == "screw" else {})}
         joint[f"j{k}"] = spec | {"between": ends[::-1] if rng.random() < 0.5 else ends}
@@ -68,8 +71,20 @@ def random_tree(seed, n, kinds):
 
         motion |= {f"j{k}.{quantity}": polynomial(rng, size) for quantity, size in TOLD[kind][0].items()}
 
-    force = {"strut": {"spring_damper": {"stiffness": 2.0, "damping": 0.5, "rest_length": 0.7}, "between": ["ground", "body0"]}}
-    return Scene(name="tree", body=body, joint=joint, ground={"marker": ground}, force=force, gravity=(5 * unit(rng)).tolist()), motion
+    force = {
+        "strut": {
+            "spring_damper": {"stiffness": 2.0, "damping": 0.5, "rest_length": 0.7},
+            "between": ["ground", "body0"],
+        }
+    }
+    return Scene(
+        name="tree",
+        body=body,
+        joint=joint,
+        ground={"marker": ground},
+        force=force,
+        gravity=(5 * unit(rng)).tolist(),
+    ), motion
 
 
 def marker_frame(instance, end):
@@ -103,7 +118,9 @@ def add_efforts(instance, name, joint, values):
 
 
 @examples
-@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.sampled_from([tuple(TREE), *((kind,) for kind in TREE)]))
+@given(
+    st.integers(0, 2**32 - 1), st.integers(1, 6), st.sampled_from([tuple(TREE), *((kind,) for kind in TREE)])
+)
 def test_efforts_give_the_accelerations_back(seed, n, kinds):
     """By articulated bodies, with the efforts as forces on both sides of the joints, at the positions and speeds of the motion."""
     scene, motion = random_tree(seed, n, kinds)
@@ -111,8 +128,23 @@ def test_efforts_give_the_accelerations_back(seed, n, kinds):
     starts = {}
 
     for name, joint in scene.joint.items():
-        rates = ("position", "angle", "angles", "zyx", "euler_parameters", "speed", "angular_speed", "speeds", "velocity", "omega")
-        values = {key: found[f"{name}.{key}"][0] for key in rates if any(k.partition("[")[0] == f"{name}.{key}" for k in found)}
+        rates = (
+            "position",
+            "angle",
+            "angles",
+            "zyx",
+            "euler_parameters",
+            "speed",
+            "angular_speed",
+            "speeds",
+            "velocity",
+            "omega",
+        )
+        values = {
+            key: found[f"{name}.{key}"][0]
+            for key in rates
+            if any(k.partition("[")[0] == f"{name}.{key}" for k in found)
+        }
 
         # a screw's position follows
         if joint.kind == "screw":
@@ -132,7 +164,9 @@ def test_efforts_give_the_accelerations_back(seed, n, kinds):
     forces.apply(m, d)
 
     for name, joint in scene.joint.items():
-        add_efforts(instance, name, joint, {effort: found[f"{name}.{effort}"][0] for effort in TOLD[joint.kind][1]})
+        add_efforts(
+            instance, name, joint, {effort: found[f"{name}.{effort}"][0] for effort in TOLD[joint.kind][1]}
+        )
 
     assert dynamics.accelerate(m, d) == 0
 
@@ -146,11 +180,15 @@ def test_efforts_give_the_accelerations_back(seed, n, kinds):
 def second_rate(instance, name, joint, quantity, course):
     """Second rate of a quantity by the accelerations that forward dynamics found."""
     m, d, nodes = instance.m, instance.d, instance.model.tree.nodes
-    mine = sorted((i for i, node in enumerate(nodes) if node.joint == name), key=lambda i: nodes[i].coordinate)
+    mine = sorted(
+        (i for i, node in enumerate(nodes) if node.joint == name), key=lambda i: nodes[i].coordinate
+    )
 
     if joint.kind not in ("spherical", "free"):
         each = {"screw": {"angle": [1]}, "cylindrical": {"position": [0], "angle": [1]}}.get(joint.kind, {})
-        each = each or {"planar": {"position": [0, 1], "angle": [2]}}.get(joint.kind, {quantity: range(len(mine))})
+        each = each or {"planar": {"position": [0, 1], "angle": [2]}}.get(
+            joint.kind, {quantity: range(len(mine))}
+        )
         values = [d.v_rate[m.body_v[mine[k]]] for k in each[quantity]]
         return values if len(values) > 1 else values[0]
 
@@ -170,7 +208,11 @@ def second_rate(instance, name, joint, quantity, course):
 
 def angular_acceleration(quantity, course, t):
     """In base axes, by differences of orientations that the course tells, of order 4."""
-    turn = (lambda t: Rotation.from_euler("ZYX", course(t))) if quantity == "zyx" else (lambda t: Rotation.from_quat(course(t)))
+    turn = (
+        (lambda t: Rotation.from_euler("ZYX", course(t)))
+        if quantity == "zyx"
+        else (lambda t: Rotation.from_quat(course(t)))
+    )
     spin = lambda t, h: (turn(t + h) * turn(t - h).inv()).as_rotvec() / (2 * h)
     alpha = lambda h: (spin(t + h, h) - spin(t - h, h)) / (2 * h)
     return (4 * alpha(5e-4) - alpha(1e-3)) / 3
@@ -235,7 +277,9 @@ def test_heave_force_of_the_turbine_at_rest_is_its_weight(water):
     """In the water less the buoyancy of 6000 m3, and the mooring's pull more; upright and at its draught. The rotor stands off the axis."""
     data = turbine() if water else turbine(force={})
     scene = Scene.model_validate(data)
-    found = scene.inverse({"float.position": [0, 0, 0], "float.zyx": [0, 0, 0], "shaft.angle": 0.0}, times=[0.0])
+    found = scene.inverse(
+        {"float.position": [0, 0, 0], "float.zyx": [0, 0, 0], "shaft.angle": 0.0}, times=[0.0]
+    )
     mass = sum(body.mass_properties()[0] for body in scene.body.values())
     lift = sum(force.linear.preload_vector()[2] for force in scene.force.values())
     assert lift == 0 if not water else 58e6 < lift < 60_310_897.5
@@ -251,7 +295,11 @@ def test_turbine_with_a_told_shaft_on_a_free_base_there_and_back():
     data["joint"]["float"]["start"] |= {"omega": [0.01, 0.02, 0.0]}
     times = np.linspace(0, 4, 201)
     angle = lambda t: t + 0.05 * (1 - np.cos(2 * t))
-    motion = {"shaft.angle": angle, "shaft.speed": lambda t: 1 + 0.1 * np.sin(2 * t), "shaft.acceleration": lambda t: 0.2 * np.cos(2 * t)}
+    motion = {
+        "shaft.angle": angle,
+        "shaft.speed": lambda t: 1 + 0.1 * np.sin(2 * t),
+        "shaft.acceleration": lambda t: 0.2 * np.cos(2 * t),
+    }
     scene = Scene.model_validate(data)
     found = scene.inverse(motion, times)
     assert len(found.notices) == 1 and '"float"' in found.notices[0] and "go on freely" in found.notices[0]
@@ -270,7 +318,12 @@ def test_what_is_told_of_a_run_needs_no_effort():
     """A run's own table: position, velocity, orientation and angular velocity of a body that flies freely."""
     body = {"mass": 1.5, "inertia": [0.2, 0.3, 0.4], "com": [0.1, 0, 0]}
     start = {"position": [0, 0, 1], "velocity": [1, 0, 2], "omega": [1, 2, 3]}
-    joint = {"free": {}, "between": ["ground", "a"], "start": start, "output": ["position", "velocity", "euler_parameters", "omega"]}
+    joint = {
+        "free": {},
+        "between": ["ground", "a"],
+        "start": start,
+        "output": ["position", "velocity", "euler_parameters", "omega"],
+    }
     scene = Scene(name="f", body={"a": body}, joint={"f": joint}, solver={"tolerance": 1e-12})
     found = scene.inverse(scene.simulate(1.0))
     assert_near(found["f.force"], 0.0, 1e-6)
@@ -308,11 +361,15 @@ def test_idle_spin_takes_no_effort(speed, driven):
     """The rod does not spin, which is told; power of the drive is the rate of the energy."""
     scene = rod_on_two_balls().model_copy(update={"output": ["total_energy"]})
     times = np.linspace(0, 0.1, 51)
-    motion = {"crank.angle": lambda t: speed * t} if driven == "crank" else {"rail.position": lambda t: 0.5 + 0.2 * speed * t}
+    motion = (
+        {"crank.angle": lambda t: speed * t}
+        if driven == "crank"
+        else {"rail.position": lambda t: 0.5 + 0.2 * speed * t}
+    )
     found = scene.inverse(motion, times)
     assert_near(found["rod.omega_body[1]"], 0.0, 1e-9)
     assert any("spin" in notice for notice in found.notices)
-    effort, rate = (("crank.torque", "crank.speed") if driven == "crank" else ("rail.force", "rail.speed"))
+    effort, rate = ("crank.torque", "crank.speed") if driven == "crank" else ("rail.force", "rail.speed")
     energy = make_interp_spline(times, found["total_energy"], k=5).derivative()(times)
     assert_near((found[effort] * found[rate])[3:-3], energy[3:-3], 2e-5 * np.abs(energy).max())
 
@@ -322,19 +379,31 @@ def test_hybrid_lets_the_rest_of_an_arm_swing():
     link = {"mass": 1.0, "com": [0.3, 0, 0], "inertia": ALL_AXES, "marker": {"e": {"position": [0.6, 0, 0]}}}
     joint = {
         "a": {"revolute": {"axis": "y"}, "between": ["ground", "one"]},
-        "b": {"revolute": {"axis": "y"}, "between": ["one.e", "two"], "start": {"angle": 0.4}, "output": ["angle"]},
+        "b": {
+            "revolute": {"axis": "y"},
+            "between": ["one.e", "two"],
+            "start": {"angle": 0.4},
+            "output": ["angle"],
+        },
     }
     scene = {"name": "p", "body": {"one": link, "two": link}, "solver": {"tolerance": 1e-12}}
     times = np.linspace(0, 1, 101)
     w = 2 * np.pi
-    motion = {"a.angle": lambda t: np.sin(w * t), "a.speed": lambda t: w * np.cos(w * t), "a.acceleration": lambda t: -w * w * np.sin(w * t)}
+    motion = {
+        "a.angle": lambda t: np.sin(w * t),
+        "a.speed": lambda t: w * np.cos(w * t),
+        "a.acceleration": lambda t: -w * w * np.sin(w * t),
+    }
     told = Scene(**scene, joint=joint)
 
     with pytest.raises(ValueError, match='undetermined; of these could be driven too: "b"'):
         told.inverse(motion, times)
 
     found = told.inverse(motion, times, hybrid=True)
-    driven = {"a": joint["a"] | {"driver": {"harmonic": {"amplitude": 1, "frequency": 1}}, "output": ["effort"]}, "b": joint["b"]}
+    driven = {
+        "a": joint["a"] | {"driver": {"harmonic": {"amplitude": 1, "frequency": 1}}, "output": ["effort"]},
+        "b": joint["b"],
+    }
     run = Scene(**scene, joint=driven).simulate(1.0, 0.01)
     assert_near(found["b.angle"], run["b.angle"], 1e-8)
     assert_near(found["a.torque"], run["a.effort"], 1e-6)
@@ -346,13 +415,20 @@ def test_formulations_agree(told):
     link = {"mass": 1.0, "com": [0.3, 0, 0], "inertia": ALL_AXES, "marker": {"e": {"position": [0.6, 0, 0]}}}
     joint = {
         "a": {"revolute": {"axis": "y"}, "between": ["ground", "one"]},
-        "b": {"spherical": {}, "between": ["two", "one.e"], "start": {"omega": [0.1, 0.2, 0.3]}, "output": ["zyx"]},
+        "b": {
+            "spherical": {},
+            "between": ["two", "one.e"],
+            "start": {"omega": [0.1, 0.2, 0.3]},
+            "output": ["zyx"],
+        },
     }
     motion = {"a.angle": lambda t: np.sin(2 * t)} | ({"b.zyx": lambda t: [t, 2 * t, -t]} if told else {})
     found = []
 
     for formulation in ("recursive", "embedding", "augmented"):
-        scene = Scene(name="p", body={"one": link, "two": link}, joint=joint, solver={"formulation": formulation})
+        scene = Scene(
+            name="p", body={"one": link, "two": link}, joint=joint, solver={"formulation": formulation}
+        )
         found.append(scene.inverse(motion, np.linspace(0, 0.2, 5)))
 
     for other in found[1:]:
@@ -370,7 +446,11 @@ def test_a_table_tells_a_floating_body(tmp_path, capsys):
     body = {"mass": 2.0, "inertia": ALL_AXES}
     scene = Scene(name="f", body={"a": body}, joint={"float": {"free": {}, "between": ["ground", "a"]}})
     times = np.linspace(0, 1, 21)
-    names = ["time", *(f"float.position[{k}]" for k in (1, 2, 3)), *(f"float.zyx[{k}] [deg]" for k in (1, 2, 3))]
+    names = [
+        "time",
+        *(f"float.position[{k}]" for k in (1, 2, 3)),
+        *(f"float.zyx[{k}] [deg]" for k in (1, 2, 3)),
+    ]
     rows = np.column_stack([times, times**2, 0 * times, times**3, 90 * times, 0 * times, 0 * times])
     table = tmp_path / "motion.csv"
     table.write_text("\n".join([",".join(names), *(",".join(map(repr, map(float, row))) for row in rows)]))
@@ -379,7 +459,12 @@ def test_a_table_tells_a_floating_body(tmp_path, capsys):
     assert_near(found["float.moment"], 0.0, 1e-8)
     assert_near(found["float.omega[3]"], np.pi / 2, 1e-10)
     (tmp_path / "f.toml").write_text(scene.to_toml())
-    assert main(["inverse", str(tmp_path / "f.toml"), "--motion", str(table), "--csv", str(tmp_path / "out.csv")]) == 0
+    assert (
+        main(
+            ["inverse", str(tmp_path / "f.toml"), "--motion", str(table), "--csv", str(tmp_path / "out.csv")]
+        )
+        == 0
+    )
     assert "float.force[3] [N]" in (tmp_path / "out.csv").read_text()
 
 
@@ -395,7 +480,11 @@ def test_a_table_tells_a_floating_body(tmp_path, capsys):
     ],
 )
 def test_mistakes_are_told(motion, text):
-    scene = Scene(name="f", body={"a": {"mass": 1, "inertia": ALL_AXES}}, joint={"f": {"free": {}, "between": ["ground", "a"]}})
+    scene = Scene(
+        name="f",
+        body={"a": {"mass": 1, "inertia": ALL_AXES}},
+        joint={"f": {"free": {}, "between": ["ground", "a"]}},
+    )
 
     with pytest.raises(ValueError, match=text):
         scene.inverse(motion, times=[0.0, 1.0])

@@ -56,7 +56,13 @@ def net(rows, columns, stiffness, damping, **solver):
                 force[f"side{i}_{j}"] = element | {"between": [f"b{i}_{j - 1}", name]}
 
     return Scene(
-        name="net", gravity=[0, 1, -9.81], ground={"marker": ground}, body=body, joint=joint, force=force, solver=solver
+        name="net",
+        gravity=[0, 1, -9.81],
+        ground={"marker": ground},
+        body=body,
+        joint=joint,
+        force=force,
+        solver=solver,
     )
 
 
@@ -112,7 +118,9 @@ def test_structure_of_trees(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_structure_of_loops(seed):
     loops = [sorted(LOOP)[seed], "revolute"]
-    assert_structure_holds(random_instance(with_solver(random_loops(seed, loops, couplings=1), **STIFF), seed))
+    assert_structure_holds(
+        random_instance(with_solver(random_loops(seed, loops, couplings=1), **STIFF), seed)
+    )
 
 
 def test_structure_of_a_net():
@@ -198,7 +206,8 @@ def work(scene):
 def test_auto_costs_little_more_than_the_best(damping):
     """Nets that explicit pairs do well, though at the border of stability."""
     works = {
-        name: work(net(2, 3, 2e4, damping, tolerance=1e-6, integrator=name)) for name in ("auto", "rk853", "radau")
+        name: work(net(2, 3, 2e4, damping, tolerance=1e-6, integrator=name))
+        for name in ("auto", "rk853", "radau")
     }
     assert works["auto"] < 1.5 * min(works["rk853"], works["radau"])
 

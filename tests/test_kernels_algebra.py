@@ -77,7 +77,9 @@ def test_symmetric_matrices_equal_numpy():
     close(al.sym_vec(sym(S), tuples(b)), S @ b)
 
     # inertia of a point mass: -m c~ c~
-    close(full(al.sym_point(3.0, tuples(a))), -3 * np.array(al.skew(tuples(a))) @ np.array(al.skew(tuples(a))))
+    close(
+        full(al.sym_point(3.0, tuples(a))), -3 * np.array(al.skew(tuples(a))) @ np.array(al.skew(tuples(a)))
+    )
 
 
 def test_symmetric_factor_solves():
@@ -216,7 +218,8 @@ def test_swing_twist_rates():
 
         for k, e in enumerate(np.eye(3)):
             turns = [
-                (Rotation.from_matrix(swing_twist_matrix(r + j * h * e) @ A.T)).as_rotvec() for j in range(-3, 4)
+                (Rotation.from_matrix(swing_twist_matrix(r + j * h * e) @ A.T)).as_rotvec()
+                for j in range(-3, 4)
             ]
             rate = sum(c * (turns[3 + j] - turns[3 - j]) for j, c in ((1, 45), (2, -9), (3, 1))) / (60 * h)
 

@@ -59,7 +59,9 @@ def test_series_meet_the_closed_forms():
     """A vector just below and just above where one takes over from the other, that spins as it likes."""
     rate, second = map(tuples, RNG.normal(size=(2, 3)))
     phi = np.array([0.6, 0.0, 0.8])
-    below, above = (rotations.rotation_of_vector(tuples(s * phi), rate, second) for s in (0.1 - 1e-13, 0.1 + 1e-13))
+    below, above = (
+        rotations.rotation_of_vector(tuples(s * phi), rate, second) for s in (0.1 - 1e-13, 0.1 + 1e-13)
+    )
 
     for a, b in zip(below, above):
         assert_allclose(a, b, rtol=0, atol=1e-11)
@@ -95,7 +97,9 @@ def test_euler_parameters_of_any_length_that_move(length):
 def test_rotation_vectors_equal_scipy():
     for E in RNG.normal(size=(8, 4)):
         E /= np.linalg.norm(E)
-        assert_allclose(rotations.rotation_vector(tuples(E)), Rotation.from_quat(E).as_rotvec(), rtol=0, atol=1e-14)
+        assert_allclose(
+            rotations.rotation_vector(tuples(E)), Rotation.from_quat(E).as_rotvec(), rtol=0, atol=1e-14
+        )
 
     assert rotations.rotation_vector((0.0, 0.0, 0.0, 1.0)) == (0.0, 0.0, 0.0)
     assert_allclose(rotations.rotation_vector((1e-9, 0.0, -2e-9, 1.0)), (2e-9, 0, -4e-9), rtol=1e-12)

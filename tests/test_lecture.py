@@ -102,7 +102,9 @@ def test_ball_in_a_slot_with_constant_velocity():
     r, angle = 0.4 * t, 2.0 * t
     np.testing.assert_allclose(found["chair.position"][:, 0], r * np.cos(angle), atol=1e-9)
     np.testing.assert_allclose(found["chair.position"][:, 1], r * np.sin(angle), atol=1e-9)
-    np.testing.assert_allclose(found["chair.velocity"][:, 0], 0.4 * np.cos(angle) - 2 * r * np.sin(angle), atol=1e-9)
+    np.testing.assert_allclose(
+        found["chair.velocity"][:, 0], 0.4 * np.cos(angle) - 2 * r * np.sin(angle), atol=1e-9
+    )
 
 
 def test_ball_in_a_free_slot():
@@ -143,7 +145,9 @@ def test_thrown_ball_seen_from_a_turntable():
     t = found["time"][:, None]
     np.testing.assert_allclose(found["ball.position"], v * t, atol=1e-8)
     turned = np.column_stack([np.cos(w * t), np.sin(w * t), -np.sin(w * t), np.cos(w * t)]).reshape(-1, 2, 2)
-    np.testing.assert_allclose(found["free.position"][:, :2], np.squeeze(turned @ (v[:2] * t)[..., None]), atol=1e-8)
+    np.testing.assert_allclose(
+        found["free.position"][:, :2], np.squeeze(turned @ (v[:2] * t)[..., None]), atol=1e-8
+    )
 
 
 def test_projectile_along_a_meridian():
@@ -277,7 +281,11 @@ def test_pendulum_in_absolute_coordinates(formulation):
     r = length * np.array([np.sin(q), -np.cos(q), 0])
     u = length * v * np.array([np.cos(q), np.sin(q), 0])
     bob = PARTICLE | {"inertia": [1, 1, 1], "output": ["acceleration"]}
-    place = {"translation": {}, "between": ["ground", "bob"], "start": {"position": r.tolist(), "velocity": u.tolist()}}
+    place = {
+        "translation": {},
+        "between": ["ground", "bob"],
+        "start": {"position": r.tolist(), "velocity": u.tolist()},
+    }
     rod = {"distance": {}, "between": ["ground", "bob"], "output": ["reaction_force"]}
     y = start({"gravity": DOWN, "body": {"bob": bob}, "joint": {"place": place, "rod": rod}}, formulation)
 
@@ -311,7 +319,9 @@ def sliders(n):
 def test_two_prismatic_joints():
     """5.1 to 5.4: F = [[m1 + m2, m2], [m2, m2]] q''."""
     scene, (m1, m2) = sliders(2)
-    found = scene.inverse({"q0.position": lambda t: t**2, "q1.position": lambda t: -0.5 * t**2 + t}, np.linspace(0, 1, 11))
+    found = scene.inverse(
+        {"q0.position": lambda t: t**2, "q1.position": lambda t: -0.5 * t**2 + t}, np.linspace(0, 1, 11)
+    )
     F1, F2 = np.array([[m1 + m2, m2], [m2, m2]]) @ [2.0, -1.0]
     np.testing.assert_allclose(found["q0.force"], F1, rtol=1e-9)
     np.testing.assert_allclose(found["q1.force"], F2, rtol=1e-9)
@@ -395,7 +405,9 @@ def test_robot_arms_by_the_recursion_of_the_lecture(name):
     }
     found = scene.inverse(motion, times)
     expected = np.array([newton_euler(links, *waves(t, len(links))) for t in times])
-    np.testing.assert_allclose(np.column_stack([found[f"{j}.torque"] for j in joints]), expected, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(
+        np.column_stack([found[f"{j}.torque"] for j in joints]), expected, rtol=1e-11, atol=1e-11
+    )
 
 
 @pytest.mark.parametrize("name", ARMS)
@@ -411,7 +423,9 @@ def test_robot_arms_forward(name, formulation):
         scene["joint"][joint]["start"] = {"angle": float(angle), "speed": float(speed)}
 
     y = start(scene, formulation, {f"{joint}.torque": torque for joint, torque in zip(joints, torques)})
-    np.testing.assert_allclose([y[f"{joint}.acceleration"] for joint in joints], accelerations, rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(
+        [y[f"{joint}.acceleration"] for joint in joints], accelerations, rtol=1e-10, atol=1e-10
+    )
 
 
 def test_two_link_arm_by_its_mass_matrix():
@@ -445,7 +459,13 @@ def test_floating_wind_turbine_in_all_three_formulations():
     scene["body"]["platform"]["output"] = ["acceleration", "alpha"]
     scene["body"]["hub"]["output"] = ["acceleration", "alpha"]
     scene["joint"]["shaft"]["output"] = ["acceleration", "reaction_force", "reaction_moment"]
-    names = ("platform.acceleration", "platform.alpha", "hub.acceleration", "hub.alpha", "shaft.reaction_force")
+    names = (
+        "platform.acceleration",
+        "platform.alpha",
+        "hub.acceleration",
+        "hub.alpha",
+        "shaft.reaction_force",
+    )
     rng = np.random.default_rng(6)
     weight = 6.2e6 * G
 
@@ -457,7 +477,10 @@ def test_floating_wind_turbine_in_all_three_formulations():
             "omega": (0.2 * rng.normal(size=3)).tolist(),
         }
         scene["joint"]["shaft"]["start"] = {"angle": float(rng.uniform(0, 6)), "speed": float(rng.normal())}
-        inputs = {v.name: float(rng.normal()) * 0.05 * weight for v in Scene(**scene).compile().of_causality("input")}
+        inputs = {
+            v.name: float(rng.normal()) * 0.05 * weight
+            for v in Scene(**scene).compile().of_causality("input")
+        }
         found = {formulation: start(scene, formulation, inputs) for formulation in FORMULATIONS}
 
         for name in (*names, "shaft.acceleration", "shaft.reaction_moment"):
@@ -465,4 +488,6 @@ def test_floating_wind_turbine_in_all_three_formulations():
             scale = np.abs(expected).max()
 
             for formulation in FORMULATIONS[1:]:
-                np.testing.assert_allclose(found[formulation][name], expected, atol=1e-10 * scale, err_msg=name)
+                np.testing.assert_allclose(
+                    found[formulation][name], expected, atol=1e-10 * scale, err_msg=name
+                )

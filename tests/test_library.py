@@ -31,7 +31,9 @@ def instance():
 
 
 @in_library
-@pytest.mark.parametrize("kernel, arguments", [(rates.evaluate, (0.0,)), (articulated.aba, ()), (entry.step, (1e-3,))])
+@pytest.mark.parametrize(
+    "kernel, arguments", [(rates.evaluate, (0.0,)), (articulated.aba, ()), (entry.step, (1e-3,))]
+)
 def test_kernels_are_what_python_makes_of_them(instance, kernel, arguments):
     """To rounding: results, and all that they write."""
     m, d = instance.m, instance.d
@@ -147,6 +149,10 @@ from mbdfmi.kernels.math import algebra
 assert language.JIT
 print(algebra.cross((1.0, 2.0, 3.0), (4.0, 5.0, 7.0)), len(algebra.cross.signatures))
 """
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "MBDFMI_JIT": "1", "MBDFMI_INTERPRETED": ""}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "MBDFMI_JIT": "1",
+        "MBDFMI_INTERPRETED": "",
+    }
     done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
     assert done.stdout == "(-1.0, 5.0, -3.0) 1\n", done.stderr

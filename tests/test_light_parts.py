@@ -20,7 +20,13 @@ def bar(mass):
     """A uniform bar of 1 m along x, with a marker at its end."""
     J = mass / 12
     marker = {"end": {"position": [1, 0, 0]}}
-    return {"mass": mass, "com": [0.5, 0, 0], "inertia": [J * 1e-2, J, J], "marker": marker, "output": ["alpha"]}
+    return {
+        "mass": mass,
+        "com": [0.5, 0, 0],
+        "inertia": [J * 1e-2, J, J],
+        "marker": marker,
+        "output": ["alpha"],
+    }
 
 
 def outputs(data):
@@ -50,7 +56,12 @@ def chain(masses, kind, formulation, seed):
             options = {}
 
         between = [first, f"b{k}"]
-        joint[f"j{k}"] = {kind: options, "between": between, "start": start, "output": ["reaction_force", "reaction_moment"]}
+        joint[f"j{k}"] = {
+            kind: options,
+            "between": between,
+            "start": start,
+            "output": ["reaction_force", "reaction_moment"],
+        }
 
     return {"body": body, "joint": joint, "solver": {"formulation": formulation}}
 
@@ -104,12 +115,27 @@ def four_bar(ratio, formulation):
     start = {"angle": 1.0, "speed": 2.0}
     joint = {
         "crank": {"revolute": {}, "between": ["ground", "crank"], "start": start},
-        "coupler": {"revolute": {}, "between": ["crank.end", "coupler"], "start": {"angle": -1.0, "speed": -2.0}},
-        "rocker": {"revolute": {}, "between": ["ground.far", "rocker"], "start": start, "output": ["acceleration"]},
+        "coupler": {
+            "revolute": {},
+            "between": ["crank.end", "coupler"],
+            "start": {"angle": -1.0, "speed": -2.0},
+        },
+        "rocker": {
+            "revolute": {},
+            "between": ["ground.far", "rocker"],
+            "start": start,
+            "output": ["acceleration"],
+        },
         "pin": {"revolute": {}, "between": ["coupler.end", "rocker.end"]},
     }
     ground = {"marker": {"far": {"position": [1, 0, 0]}}}
-    return {"ground": ground, "body": body, "joint": joint, "solver": {"formulation": formulation}, "output": ["constraint_gap"]}
+    return {
+        "ground": ground,
+        "body": body,
+        "joint": joint,
+        "solver": {"formulation": formulation},
+        "output": ["constraint_gap"],
+    }
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

@@ -17,7 +17,9 @@ def scene(**body):
 
 def box_mesh(path, faces=None):
     """A box of 200 x 300 x 500 mm away from the origin as a file; `faces`: how many of its 12 triangles."""
-    mesh = trimesh.creation.box(extents=[200, 300, 500], transform=trimesh.transformations.translation_matrix([50, 60, 70]))
+    mesh = trimesh.creation.box(
+        extents=[200, 300, 500], transform=trimesh.transformations.translation_matrix([50, 60, 70])
+    )
     mesh.update_faces(np.arange(12) < (faces or 12))
     mesh.export(path)
     return str(path)
@@ -31,7 +33,9 @@ def test_a_mesh_weighs_what_the_solid_weighs(tmp_path, ending):
     # the box at its centre, within the mesh's frame
     frame = mbdfmi.Scene(name="f", body={"a": BODY | {"marker": {"m": place}}}, joint=FREE).marker_pose("a.m")
     centre = frame[1] + frame[2] @ [0.05, 0.06, 0.07]
-    solid = scene(solid={"box": {"size": [0.2, 0.3, 0.5], "density": 700}} | place | {"position": centre}).body["a"]
+    solid = scene(
+        solid={"box": {"size": [0.2, 0.3, 0.5], "density": 700}} | place | {"position": centre}
+    ).body["a"]
 
     for one, other in zip(mesh.mass_properties(), solid.mass_properties()):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-7)
@@ -39,7 +43,11 @@ def test_a_mesh_weighs_what_the_solid_weighs(tmp_path, ending):
 
 def test_a_mirrored_mesh_has_positive_mass(tmp_path):
     file = box_mesh(tmp_path / "box.stl")
-    mass, com, _ = scene(solid={"mesh": {"file": file, "scale": [0.001, 0.001, -0.001], "density": 700}}).body["a"].mass_properties()
+    mass, com, _ = (
+        scene(solid={"mesh": {"file": file, "scale": [0.001, 0.001, -0.001], "density": 700}})
+        .body["a"]
+        .mass_properties()
+    )
     assert np.isclose(mass, 700 * 0.2 * 0.3 * 0.5)
     np.testing.assert_allclose(com, [0.05, 0.06, -0.07], atol=1e-9)
 
@@ -67,7 +75,13 @@ def test_a_file_that_is_no_mesh_is_named(tmp_path, content):
 def test_files_start_at_the_folder_of_the_scene(tmp_path, monkeypatch):
     (tmp_path / "parts").mkdir()
     box_mesh(tmp_path / "parts" / "box.stl")
-    text = scene(**BODY).to_toml().replace("mass = 1.0\ninertia = [1.0, 1.0, 1.0]", 'solid = { mesh = { file = "parts/box.stl", mass = 2 } }')
+    text = (
+        scene(**BODY)
+        .to_toml()
+        .replace(
+            "mass = 1.0\ninertia = [1.0, 1.0, 1.0]", 'solid = { mesh = { file = "parts/box.stl", mass = 2 } }'
+        )
+    )
     (tmp_path / "a.toml").write_text(text)
     made = mbdfmi.load(tmp_path / "a.toml")
     assert made.body["a"].mass_properties()[0] == 2
@@ -86,7 +100,9 @@ def test_looks_are_no_part_of_the_model():
         name="looks",
         view={"up": "y", "water": 1.0, "frame": "a", "paths": ["a"], "plots": ["x"]},
         ground={"colour": "grey", "shape": {"box": {"size": [1, 1, 1]}}},
-        body={"a": BODY | {"colour": "red", "shape": [{"mesh": {"file": "nowhere.stl"}}, {"line": ["a", "a"]}]}},
+        body={
+            "a": BODY | {"colour": "red", "shape": [{"mesh": {"file": "nowhere.stl"}}, {"line": ["a", "a"]}]}
+        },
         joint=FREE,
     )
     assert looks.compile().guid == plain.compile().guid
@@ -109,7 +125,9 @@ def test_parts_of_a_mesh_have_their_own_colours_and_textures_are_none(tmp_path):
 
     def colours(**more):
         made = scene(**BODY, shape={"mesh": {"file": file}} | more, colour="#00ff00")
-        return {round(p.surface.points[:, 0].mean() / 2): p.colour for p in pieces(made, 1.0) if p.body == "a"}
+        return {
+            round(p.surface.points[:, 0].mean() / 2): p.colour for p in pieces(made, 1.0) if p.body == "a"
+        }
 
     assert colours() == {0: (1, 0, 0), 1: (0, 0.2, 1), 2: (0, 1, 0)}
     assert set(colours(colour="white").values()) == {(1, 1, 1)}
@@ -124,10 +142,18 @@ def test_parts_of_a_mesh_have_their_own_colours_and_textures_are_none(tmp_path):
 def test_a_look_that_cannot_be_read_is_told_with_its_place(tmp_path, capsys, command):
     from mbdfmi.cli import main
 
-    made = scene(**BODY, shape=[{"sphere": {"radius": 1}}, {"mesh": {"file": "no.stl"}}], marker={"m": {"shape": {"mesh": {"file": "nor.stl"}}}})
+    made = scene(
+        **BODY,
+        shape=[{"sphere": {"radius": 1}}, {"mesh": {"file": "no.stl"}}],
+        marker={"m": {"shape": {"mesh": {"file": "nor.stl"}}}},
+    )
     file = tmp_path / "a.toml"
     file.write_text(made.to_toml())
-    more = {"check": [], "view": ["-o", str(tmp_path / "a.html")], "simulate": ["--until", "1", "--view", str(tmp_path / "a.html")]}
+    more = {
+        "check": [],
+        "view": ["-o", str(tmp_path / "a.html")],
+        "simulate": ["--until", "1", "--view", str(tmp_path / "a.html")],
+    }
     assert main([command, str(file), *more[command]]) == 1
     told = capsys.readouterr().err
     assert f"{file}: [body.a] shape[2].mesh: {tmp_path / 'no.stl'}: No such file" in told

@@ -36,7 +36,9 @@ def close(a, b, relative, size=1.0):
 def accelerations(instance):
     """Of all bodies (n, 6), angular and of the centre of mass."""
     evaluate(instance)
-    return np.array([np.concatenate(motion[4:]) for motion in body_motion(instance, accelerated=True).values()])
+    return np.array(
+        [np.concatenate(motion[4:]) for motion in body_motion(instance, accelerated=True).values()]
+    )
 
 
 def velocities_of(instance):
@@ -66,7 +68,9 @@ def test_residuals_stay_at_rounding(seed, loops):
     scene = random_loops(seed, loops, couplings=1)
 
     for formulation in FORMULATIONS[::2]:
-        instance = Instance(compile_scene(with_solver(scene, formulation=formulation, integrator="rk853", tolerance=1e-6)))
+        instance = Instance(
+            compile_scene(with_solver(scene, formulation=formulation, integrator="rk853", tolerance=1e-6))
+        )
         instance.step(0.3)
         evaluate(instance)
         m, d = instance.m, instance.d
@@ -160,7 +164,8 @@ def test_couplings_against_differences(formulation):
     for seed in range(10):
         scene = random_loops(seed, ["revolute"], tree=("revolute", "prismatic"), couplings=2, elements=False)
         free, coupled = (
-            Instance(compile_scene(with_solver(case, formulation=formulation))) for case in (scene | {"coupling": {}}, scene)
+            Instance(compile_scene(with_solver(case, formulation=formulation)))
+            for case in (scene | {"coupling": {}}, scene)
         )
         evaluate(free)
         n, end = free.m.n_q, free.m.n_q + free.m.n_v
@@ -176,7 +181,9 @@ def test_couplings_against_differences(formulation):
 
 
 @formulations
-@pytest.mark.parametrize("seed, loops", [(2966859346, ["rolling_sphere", "point_on_plane", "cylindrical"]), (0, ["rolling_disk"])])
+@pytest.mark.parametrize(
+    "seed, loops", [(2966859346, ["rolling_sphere", "point_on_plane", "cylindrical"]), (0, ["rolling_disk"])]
+)
 def test_a_gap_that_rolling_rows_imply_is_closed_all_the_same(seed, loops, formulation):
     """What follows from rows about velocities is no less a condition on positions."""
     solver = {"formulation": formulation, "integrator": "rk853", "tolerance": 1e-6}
@@ -193,7 +200,9 @@ def test_a_joint_twice_changes_no_motion(seed, kind):
     twice = scene | {"joint": scene["joint"] | {"again": scene["joint"]["loop0"]}}
 
     for formulation in FORMULATIONS[::2]:
-        one, other = (Instance(compile_scene(with_solver(case, formulation=formulation))) for case in (scene, twice))
+        one, other = (
+            Instance(compile_scene(with_solver(case, formulation=formulation))) for case in (scene, twice)
+        )
 
         for instance in (one, other):
             instance.step(0.3)
@@ -223,7 +232,13 @@ def test_an_implied_joint_changes_no_motion(formulation):
 # a four-bar whose joints all have something of their own
 
 
-def four_bar(parts, formulation="recursive", order=("crank", "coupler", "rocker", "last"), lengths=(0.5, 1.5, 1.2, 1.6), start=True):
+def four_bar(
+    parts,
+    formulation="recursive",
+    order=("crank", "coupler", "rocker", "last"),
+    lengths=(0.5, 1.5, 1.2, 1.6),
+    start=True,
+):
     """Crank, coupler, rocker in the plane, the ground's two pins apart on x; the crank turns fully.
 
     parts : what each of the joints has beside. order : of the joints in the file. start : angles that close the loop.
@@ -343,7 +358,9 @@ def test_energy_of_a_loop(order, formulation):
 def test_energy_of_random_loops(seed, loops):
     """Joints do no work: neither do those of loops."""
     solver = {"integrator": "rk853", "tolerance": 1e-11}
-    scene = random_loops(seed, loops, couplings=1, elements=False, solver=solver, output=["kinetic_energy", "total_energy"])
+    scene = random_loops(
+        seed, loops, couplings=1, elements=False, solver=solver, output=["kinetic_energy", "total_energy"]
+    )
 
     for formulation in FORMULATIONS[::2]:
         instance = Instance(compile_scene(with_solver(scene, formulation=formulation)))
@@ -371,7 +388,10 @@ def test_driven_loop(kind):
 
     for formulation in FORMULATIONS:
         scene = four_bar({}, formulation, start=False)
-        scene["joint"]["crank"] |= {"driver": driver, "output": ["angle", "speed", "acceleration", "effort"]} | start
+        scene["joint"]["crank"] |= {
+            "driver": driver,
+            "output": ["angle", "speed", "acceleration", "effort"],
+        } | start
         scene["joint"]["coupler"]["start"] = {"angle": 0.2}
         scene["joint"]["rocker"]["start"] = {"angle": 1.5}
         instance = Instance(compile_scene(Scene.model_validate(scene)))
@@ -393,8 +413,14 @@ def test_driven_loop(kind):
 @formulations
 def test_two_drives_close_a_loop(formulation):
     """A five-bar: two cranks driven at the ground, one of them behind the loop; the tip where two circles meet."""
+
     def bar(length):
-        return {"mass": 1.0, "com": [length / 2, 0, 0], "inertia": [0.1] * 3, "marker": {"end": {"position": [length, 0, 0]}}}
+        return {
+            "mass": 1.0,
+            "com": [length / 2, 0, 0],
+            "inertia": [0.1] * 3,
+            "marker": {"end": {"position": [length, 0, 0]}},
+        }
 
     pin = {"revolute": {}}
     scene = {
@@ -405,7 +431,8 @@ def test_two_drives_close_a_loop(formulation):
         "body": {"a": bar(0.3), "b": bar(1.0), "c": bar(1.0), "d": bar(0.3)},
         "joint": {
             "left": pin | {"between": ["ground", "a"], "driver": {"constant_speed": 3.0}},
-            "right": pin | {"between": ["ground.far", "d"], "driver": {"harmonic": {"amplitude": 1.0, "frequency": 1.0}}},
+            "right": pin
+            | {"between": ["ground.far", "d"], "driver": {"harmonic": {"amplitude": 1.0, "frequency": 1.0}}},
             "ab": pin | {"between": ["a.end", "b"], "start": {"angle": 1.0}},
             "dc": pin | {"between": ["d.end", "c"], "start": {"angle": 2.0}},
             "tip": pin | {"between": ["b.end", "c.end"]},
@@ -471,7 +498,11 @@ def test_a_free_joint_with_a_start_is_kept_in_the_tree():
             "free": {
                 "free": {},
                 "between": ["ground", "body"],
-                "start": {"position": [2, 1, 0], "axis_angle": {"axis": "z", "angle_deg": 50}, "omega": [0, 0, 1]},
+                "start": {
+                    "position": [2, 1, 0],
+                    "axis_angle": {"axis": "z", "angle_deg": 50},
+                    "omega": [0, 0, 1],
+                },
                 "output": ["position", "zyx", "omega"],
             },
             "cross": {"universal": {"axes": ["z", "y"]}, "between": ["ground.site", "body.a"]},
@@ -490,7 +521,12 @@ def test_a_constraint_within_a_rigid_part_says_nothing(formulation):
             "name": "rigid",
             "body": {"a": body, "b": body},
             "joint": {
-                "hinge": {"revolute": {"axis": "y"}, "between": ["ground", "a"], "start": {"speed": 1.0}, "output": ["acceleration"]},
+                "hinge": {
+                    "revolute": {"axis": "y"},
+                    "between": ["ground", "a"],
+                    "start": {"speed": 1.0},
+                    "output": ["acceleration"],
+                },
                 "weld": {"fixed": {}, "between": ["a", "b.m"], "output": output},
                 "rod": {"distance": {}, "between": ["a.m", "b"]},
                 "ball": {"spherical": {}, "between": ["a", "b.m"]},
@@ -511,7 +547,15 @@ def test_a_constraint_within_a_rigid_part_says_nothing(formulation):
         {"acceleration": [1, 2, 3], "position": [4, 5, 6]},
         {"rotation": {"speed": 0.5, "angle": 0.7, "point": [1, 2, 3]}},
         {"orbit": {"radius": 5.0, "rate": 0.1, "phase_deg": 30, "normal": "y"}},
-        {"elliptic_orbit": {"semi_major_axis": 5.0, "eccentricity": 0.6, "mu": 2.0, "node_deg": 40, "mean_anomaly_deg": -50}},
+        {
+            "elliptic_orbit": {
+                "semi_major_axis": 5.0,
+                "eccentricity": 0.6,
+                "mu": 2.0,
+                "node_deg": 40,
+                "mean_anomaly_deg": -50,
+            }
+        },
         {"table": {"time": [-1, 0, 1, 2], "position": [[0, 0, 0], [1, 0, 2], [1, 1, 1], [0, 0, 0]]}},
         {"input": True},
     ],
@@ -523,7 +567,12 @@ def test_lengths_at_the_start_on_a_moving_ground(motion, formulation):
         "ground": {"motion": motion},
         "body": {"bob": {"mass": 1.0, "inertia": [0.1] * 3}},
         "joint": {
-            "hold": {"translation": {}, "between": ["ground", "bob"], "start": {"position": [0.5, -1, 2]}, "output": ["position"]},
+            "hold": {
+                "translation": {},
+                "between": ["ground", "bob"],
+                "start": {"position": [0.5, -1, 2]},
+                "output": ["position"],
+            },
             "rod": {"distance": {}, "between": ["inertial", "bob"]},
         },
         "solver": {"formulation": formulation},

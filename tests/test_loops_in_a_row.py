@@ -29,7 +29,11 @@ def scissor_lift(cells, wrong=0.0, **solver):
         angles = (UP, DOWN) if k == 0 else (UP - DOWN, DOWN - UP)
         joint[f"middle{k}"] = {"revolute": {}, "between": [up, down], "output": ["angle"]}
         joint[f"left{k}"] = {"revolute": {}, "between": [left, f"{up}.low"], "start": {"angle": angles[0]}}
-        joint[f"right{k}"] = {"revolute": {}, "between": [right, f"{down}.low"], "start": {"angle": angles[1]}}
+        joint[f"right{k}"] = {
+            "revolute": {},
+            "between": [right, f"{down}.low"],
+            "start": {"angle": angles[1]},
+        }
 
     joint[f"left{cells - 1}"]["start"]["angle"] += wrong
     return Scene(name="lift", gravity=[0, -9.81, 0], body=body, joint=joint, solver=solver)
@@ -62,7 +66,9 @@ def test_predicted_cost_grows_as_the_lift_does():
     assert apart[2] < 2.1 * apart[1] < 4.4 * apart[0]
 
 
-@pytest.mark.parametrize(("scene", "apart"), [(scissor_lift(40), True), (scissor_lift(16), False), (ladder(60), False)])
+@pytest.mark.parametrize(
+    ("scene", "apart"), [(scissor_lift(40), True), (scissor_lift(16), False), (ladder(60), False)]
+)
 def test_bodies_are_taken_apart_where_loops_stand_in_a_row(scene, apart):
     assert bool(partition.parted_tree(scene, spanning_tree(scene))) == apart
 

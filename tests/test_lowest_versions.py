@@ -19,7 +19,9 @@ def test_the_lowest_versions_are_enough(tmp_path):
 
     def run(*command, **variables):
         environment = os.environ | {"MBDFMI_CACHE": str(tmp_path / "cache")} | variables
-        done = subprocess.run(list(map(str, command)), cwd=ROOT, env=environment, capture_output=True, text=True)
+        done = subprocess.run(
+            list(map(str, command)), cwd=ROOT, env=environment, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stdout + done.stderr
 
     scripts = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")

@@ -84,7 +84,11 @@ def crank_and_rod(formulation, joints="revolute", **rod):
                 "start": {"angle": 0.7, "speed": 6.0},
                 "output": ["angle", "speed", "acceleration"],
             },
-            "pin": {joints: {}, "between": ["crank.e", "rod"], "output": ["reaction_force_body", "reaction_moment_body"]},
+            "pin": {
+                joints: {},
+                "between": ["crank.e", "rod"],
+                "output": ["reaction_force_body", "reaction_moment_body"],
+            },
             "rail": {
                 "prismatic": {"axis": "x"},
                 "between": ["ground", "slider"],
@@ -131,7 +135,9 @@ def test_a_connecting_rod_without_mass(formulation, joints, check):
 def test_a_rod_without_inertia_about_itself_moves_as_one_with(formulation, check):
     """Between two ball joints nothing turns a rod about itself: its inertia there is of no account."""
     runs = [
-        crank_and_rod(formulation, "spherical", mass=0.4, com=[0.25, 0, 0], inertia=[axial, 0.01, 0.01]).simulate(0.3, 0.05)
+        crank_and_rod(
+            formulation, "spherical", mass=0.4, com=[0.25, 0, 0], inertia=[axial, 0.01, 0.01]
+        ).simulate(0.3, 0.05)
         for axial in (0.0, 5e-3)
     ]
 
@@ -143,7 +149,12 @@ def test_a_rod_without_inertia_about_itself_moves_as_one_with(formulation, check
 @pytest.mark.parametrize("axes", [[0, 0, 0], [20, -35, 70]])
 def test_a_thin_rod_on_a_ball_joint(formulation, axes, check):
     """A spherical pendulum: energy and the moment of momentum about the vertical stay; at rest it swings as a plane one."""
-    rod = {"mass": 1.2, "com": [0, 0, -0.4], "inertia": [0.064, 0.064, 0.0], "output": ["omega", "euler_parameters"]}
+    rod = {
+        "mass": 1.2,
+        "com": [0, 0, -0.4],
+        "inertia": [0.064, 0.064, 0.0],
+        "output": ["omega", "euler_parameters"],
+    }
     scene = Scene(
         name="rod",
         solver={"formulation": formulation},
@@ -173,7 +184,12 @@ def test_two_point_masses_on_links_without_mass(formulation, check):
 
     def hinge(a, b, angle):
         start = {"angle": angle, "speed": 1.0}
-        return {"revolute": {}, "between": [a, b], "start": start, "output": ["angle", "speed", "acceleration"]}
+        return {
+            "revolute": {},
+            "between": [a, b],
+            "start": start,
+            "output": ["angle", "speed", "acceleration"],
+        }
 
     scene = Scene(
         name="double",
@@ -207,7 +223,10 @@ def test_a_particle_at_the_end_of_a_link(formulation, joint, check):
         solver={"formulation": formulation},
         gravity=[0, -G, 0],
         body={"link": {"mass": 0, "marker": {"e": at(0, -0.6)}}, "bead": bead | {"output": ["omega"]}},
-        joint={"hinge": hinge | {"between": ["ground", "link"]}, "end": end | {"between": ["link.e", "bead"]}},
+        joint={
+            "hinge": hinge | {"between": ["ground", "link"]},
+            "end": end | {"between": ["link.e", "bead"]},
+        },
     )
     r = scene.simulate(until=0.5, step=0.1)
     check(np.abs(r["hinge.acceleration"] + G / 0.6 * np.sin(r["hinge.angle"])).max(), 1e-9)
@@ -221,9 +240,17 @@ def test_a_particle_falls(formulation, com, omega, check):
     scene = Scene(
         name="stone",
         solver={"formulation": formulation},
-        body={"stone": point(0.2, com=com, marker={"c": {"position": com, "output": ["position"]}}, output=["omega"])},
+        body={
+            "stone": point(
+                0.2, com=com, marker={"c": {"position": com, "output": ["position"]}}, output=["omega"]
+            )
+        },
         joint={
-            "free": {"free": {}, "between": ["ground", "stone"], "start": {"velocity": [1, 2, 3], "omega": omega}},
+            "free": {
+                "free": {},
+                "between": ["ground", "stone"],
+                "start": {"velocity": [1, 2, 3], "omega": omega},
+            },
         },
     )
     r = scene.simulate(until=1.0, step=0.1)
@@ -246,14 +273,23 @@ def test_driven_frames_without_mass(formulation, check):
         gravity=[0, 0, 0],
         body={"outer": {"mass": 0}, "inner": {"mass": 0}, "rotor": {"mass": 1, "inertia": [I, 3e-3, 3e-3]}},
         joint={
-            "outer": {"revolute": {"axis": "z"}, "between": ["ground", "outer"], "driver": {"constant_speed": speed}},
+            "outer": {
+                "revolute": {"axis": "z"},
+                "between": ["ground", "outer"],
+                "driver": {"constant_speed": speed},
+            },
             "inner": {
                 "revolute": {"axis": "y"},
                 "between": ["outer", "inner"],
                 "driver": {"harmonic": {"amplitude": 0.4, "frequency": 1.0}},
                 "output": ["effort", "angle", "speed", "acceleration"],
             },
-            "spin": {"revolute": {"axis": "x"}, "between": ["inner", "rotor"], "start": {"speed": spin}, "output": ["speed"]},
+            "spin": {
+                "revolute": {"axis": "x"},
+                "between": ["inner", "rotor"],
+                "start": {"speed": spin},
+                "output": ["speed"],
+            },
         },
     )
     r = scene.simulate(until=0.5, step=0.1)
@@ -263,7 +299,11 @@ def test_driven_frames_without_mass(formulation, check):
 
     # Lagrange: J b'' - d/db of the kinetic energy, with w_x = along, w_z = speed cos b
     J = 3e-3
-    expected = J * r["inner.acceleration"] + I * along * speed * np.cos(tilt) + J * speed**2 * np.cos(tilt) * np.sin(tilt)
+    expected = (
+        J * r["inner.acceleration"]
+        + I * along * speed * np.cos(tilt)
+        + J * speed**2 * np.cos(tilt) * np.sin(tilt)
+    )
     check(np.abs(r["inner.effort"] - expected).max(), 1e-9)
 
 
@@ -282,7 +322,12 @@ def test_a_rocker_and_a_coupler_without_mass(formulation, check):
             "rocker": bar | {"marker": {"e": at(1.5)}},
         },
         joint={
-            "crank": {"revolute": {}, "between": ["ground", "crank"], "start": {"angle_deg": 60, "speed": 3}, "output": ["angle"]},
+            "crank": {
+                "revolute": {},
+                "between": ["ground", "crank"],
+                "start": {"angle_deg": 60, "speed": 3},
+                "output": ["angle"],
+            },
             "ab": {"revolute": {}, "between": ["crank.e", "coupler"]},
             "rocker": {"revolute": {}, "between": ["ground.r", "rocker"], "start": {"angle_deg": 100}},
             "bc": {"revolute": {}, "between": ["coupler.e", "rocker.e"]},
@@ -328,7 +373,13 @@ def test_what_nothing_determines_is_named(formulation, case):
 
 @formulations
 def test_a_moment_about_a_thin_rod_is_refused(formulation):
-    rod = {"mass": 1, "com": [0, 0, -0.5], "inertia": [0.1, 0.1, 0.0], "input": ["moment"], "input_axes": "body"}
+    rod = {
+        "mass": 1,
+        "com": [0, 0, -0.5],
+        "inertia": [0.1, 0.1, 0.0],
+        "input": ["moment"],
+        "input_axes": "body",
+    }
     scene = Scene(
         name="rod",
         solver={"formulation": formulation},
@@ -361,7 +412,11 @@ def without_inertia(scene, rng):
 
 
 @examples
-@given(st.integers(0, 2**32 - 1), st.lists(st.sampled_from(sorted(LOOP)), min_size=1, max_size=3), st.integers(0, 2))
+@given(
+    st.integers(0, 2**32 - 1),
+    st.lists(st.sampled_from(sorted(LOOP)), min_size=1, max_size=3),
+    st.integers(0, 2),
+)
 def test_random_mechanisms_move_alike_or_are_all_refused(seed, loops, couplings):
     rng = np.random.default_rng(seed)
     scene = without_inertia(random_loops(seed, loops, couplings=couplings), rng)
@@ -382,7 +437,10 @@ def test_random_mechanisms_move_alike_or_are_all_refused(seed, loops, couplings)
         m, d = instance.m, instance.d
         motion = body_motion(instance, accelerated=True)
         seen.append(np.array([motion[name][5] for name in scene["body"] if scene["body"][name]["mass"]]))
-        assert np.abs([multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]).max(initial=0.0) < 1e-8
+        assert (
+            np.abs([multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]).max(initial=0.0)
+            < 1e-8
+        )
 
     refused = [a is None for a in seen]
     assert all(refused) or not any(refused)
@@ -403,7 +461,14 @@ def test_an_inertia_that_no_body_has_is_taken_as_it_is(formulation, inertia, che
         gravity=[0, 0, 0],
         solver={"formulation": formulation},
         body={"link": {"mass": 4.8, "inertia": inertia}},
-        joint={"j": {"revolute": {"axis": "y"}, "between": ["ground", "link"], "input": "torque", "output": ["acceleration"]}},
+        joint={
+            "j": {
+                "revolute": {"axis": "y"},
+                "between": ["ground", "link"],
+                "input": "torque",
+                "output": ["acceleration"],
+            }
+        },
     )
     r = scene.simulate(until=0.1, step=0.05, inputs={"j.torque": 0.3})
     check(np.abs(r["j.acceleration"] - 0.3 / inertia[1]).max(), 1e-9)
@@ -415,10 +480,18 @@ def test_a_part_without_mass_at_the_centre_of_gravity():
     data = {
         "name": "hub",
         "central_gravity": {"mu": 4.0},
-        "body": {"hub": {"mass": 0.0, "inertia": [0, 0, 1.0], "output": ["alpha"]}, "moon": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        "body": {
+            "hub": {"mass": 0.0, "inertia": [0, 0, 1.0], "output": ["alpha"]},
+            "moon": {"mass": 1.0, "inertia": [1, 1, 1]},
+        },
         "joint": {
             "turn": {"revolute": {}, "between": ["inertial", "hub"], "start": {"speed": 0.5}},
-            "arm": {"prismatic": {"axis": "x"}, "between": ["hub", "moon"], "start": {"position": 2.0}, "output": ["acceleration"]},
+            "arm": {
+                "prismatic": {"axis": "x"},
+                "between": ["hub", "moon"],
+                "start": {"position": 2.0},
+                "output": ["acceleration"],
+            },
         },
         "output": ["gravity_energy"],
     }

@@ -55,7 +55,9 @@ def assert_carried(found, r, A, v, w, a, alpha):
         "omega": np.array(w),
         "alpha": np.array(alpha),
     }
-    expected |= {f"{key}_body": turned.T @ expected[key] for key in ("velocity", "acceleration", "omega", "alpha")}
+    expected |= {
+        f"{key}_body": turned.T @ expected[key] for key in ("velocity", "acceleration", "omega", "alpha")
+    }
     assert_same_turn(found.pop("a.euler_parameters"), turned)
 
     for name, value in found.items():
@@ -76,7 +78,9 @@ def test_phase_and_normal_of_an_orbit(normal, pointing):
     """r = R (cos, sin) of the phase, at uniform rate; the axes turn with it where they point."""
     R, rate, phase = 2.0, 0.7, np.radians(50)
     orbit = {"radius": R, "rate": rate, "normal": normal, "phase_deg": 50, "pointing": pointing}
-    n = {"z": [0, 0, 1], "-y": [0, -1, 0], "x": [1, 0, 0]}.get(normal if isinstance(normal, str) else "", normal)
+    n = {"z": [0, 0, 1], "-y": [0, -1, 0], "x": [1, 0, 0]}.get(
+        normal if isinstance(normal, str) else "", normal
+    )
     n = np.array(n) / np.linalg.norm(n)
     e, track = plane_of(n)
     radial = np.cos(phase) * e + np.sin(phase) * track
@@ -106,7 +110,12 @@ def test_a_free_body_starts_as_a_turned_ground_sees_it(formulation):
     seen = Rotation.from_euler("ZYX", [40, 20, -30], degrees=True)
     A = Rotation.from_rotvec([0, 0, np.radians(35)])
     w = np.array([0, 0, 1.3])
-    start = {"position": r.tolist(), "velocity": v.tolist(), "zyx_deg": [40, 20, -30], "omega": w_rel.tolist()}
+    start = {
+        "position": r.tolist(),
+        "velocity": v.tolist(),
+        "zyx_deg": [40, 20, -30],
+        "omega": w_rel.tolist(),
+    }
     scene = {
         "name": "free", "solver": {"formulation": formulation},
         "ground": {"motion": {"rotation": {"speed": 1.3, "angle_deg": 35}}},
@@ -178,8 +187,18 @@ def test_a_ground_told_by_its_pose(turned, beside):
         yaw = angles[0] + rates[0] * t
 
         # w = yaw' z + pitch' y1 + roll' x2
-        w = rates[0] * np.array([0, 0, 1]) + rates[1] * np.array([-np.sin(yaw), np.cos(yaw), 0]) + rates[2] * A.as_matrix()[:, 0]
-        told = {"position": r + v * t, "zyx": angles + rates * t, "euler_parameters": A.as_quat(), "velocity": v, "omega": w}
+        w = (
+            rates[0] * np.array([0, 0, 1])
+            + rates[1] * np.array([-np.sin(yaw), np.cos(yaw), 0])
+            + rates[2] * A.as_matrix()[:, 0]
+        )
+        told = {
+            "position": r + v * t,
+            "zyx": angles + rates * t,
+            "euler_parameters": A.as_quat(),
+            "velocity": v,
+            "omega": w,
+        }
 
         for key in ("position", turned, *beside):
             for k, value in enumerate(told[key], 1):
@@ -206,7 +225,12 @@ def test_a_ground_told_by_its_pose(turned, beside):
 
 def test_a_command_that_begins_to_move_evenly_is_followed():
     """At rest, then at a constant speed, told by the position alone: from the second command after the corner on it is met."""
-    joint = {"prismatic": {}, "between": ["ground", "a"], "driver": {"input": ["position"]}, "output": ["position", "speed"]}
+    joint = {
+        "prismatic": {},
+        "between": ["ground", "a"],
+        "driver": {"input": ["position"]},
+        "output": ["position", "speed"],
+    }
     scene = {"name": "corner", "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}}, "joint": {"j": joint}}
     instance = Instance(Scene.model_validate(scene).compile())
     H, v = 0.125, 0.8
@@ -249,8 +273,18 @@ def test_a_motion_that_starts_later(begin):
 def test_phase_of_a_harmonic(kind, quantity, phase):
     """mean + amplitude sin(2 pi f t + phase), and its rates."""
     wave = {"amplitude": 0.4, "frequency": 0.8, "phase_deg": phase, "mean": -0.3}
-    joint = {kind: {}, "between": ["ground", "a"], "driver": {"harmonic": wave}, "output": [quantity, "speed", "acceleration"]}
-    scene = {"name": "h", "gravity": [0, 0, 0], "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}}, "joint": {"j": joint}}
+    joint = {
+        kind: {},
+        "between": ["ground", "a"],
+        "driver": {"harmonic": wave},
+        "output": [quantity, "speed", "acceleration"],
+    }
+    scene = {
+        "name": "h",
+        "gravity": [0, 0, 0],
+        "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}},
+        "joint": {"j": joint},
+    }
     run = Scene.model_validate(scene).simulate(1.0, 0.125)
     w = 2 * np.pi * 0.8
     at = w * run["time"] + np.radians(phase)
@@ -265,15 +299,27 @@ TIMES = [0.0, 0.3, 0.7, 1.2, 1.4, 2.0]
 
 def driven(driver, kind="prismatic"):
     """Position, speed and acceleration of a joint that is driven, over time."""
-    joint = {kind: {}, "between": ["ground", "a"], "driver": driver, "output": ["position", "speed", "acceleration"]}
-    scene = {"name": "d", "gravity": [0, 0, 0], "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}}, "joint": {"j": joint}}
+    joint = {
+        kind: {},
+        "between": ["ground", "a"],
+        "driver": driver,
+        "output": ["position", "speed", "acceleration"],
+    }
+    scene = {
+        "name": "d",
+        "gravity": [0, 0, 0],
+        "body": {"a": {"mass": 1, "inertia": [1, 1, 1]}},
+        "joint": {"j": joint},
+    }
     run = Scene.model_validate(scene).simulate(1.9, 0.1)
     return run["time"], run["j.position"], run["j.speed"], run["j.acceleration"]
 
 
 def test_six_points_make_a_polynomial_of_degree_five():
     """The quintic spline through six points has nothing else to be."""
-    time, *found = driven({"table": {"time": TIMES, "position": QUINTIC(np.array(TIMES)).tolist(), "interpolation": "quintic"}})
+    time, *found = driven(
+        {"table": {"time": TIMES, "position": QUINTIC(np.array(TIMES)).tolist(), "interpolation": "quintic"}}
+    )
 
     for order, values in enumerate(found):
         assert_near(values, QUINTIC.deriv(order)(time), 1e-12)

@@ -118,7 +118,9 @@ def tight(model):
 def compare(model, found, expected, bound):
     for v in model.of_causality("output"):
         scale = np.abs(expected[v.name]).max() + 1
-        np.testing.assert_allclose(found[v.name], expected[v.name], rtol=0, atol=bound * scale, err_msg=v.name)
+        np.testing.assert_allclose(
+            found[v.name], expected[v.name], rtol=0, atol=bound * scale, err_msg=v.name
+        )
 
 
 def test_solvers_reproduce_the_co_simulation(exported, tmp_path):
@@ -227,7 +229,13 @@ def pushed(interpolation, **joint):
     load["table"]["interpolation"] = interpolation
     rail = {"prismatic": {"axis": "x"}, "between": ["ground", "b"], "output": ["position", "speed"], **joint}
     body = {"b": {"mass": 2.0, "inertia": [1, 1, 1]}}
-    return Scene(name="pushed", gravity=[0, 0, 0], body=body, joint={"rail": rail}, force={"f": {"load": load, "on": "b"}})
+    return Scene(
+        name="pushed",
+        gravity=[0, 0, 0],
+        body=body,
+        joint={"rail": rail},
+        force={"f": {"load": load, "on": "b"}},
+    )
 
 
 @pytest.mark.parametrize("interpolation, power, events", [("steps", 0, 2), ("linear", 1, 3)])
@@ -428,9 +436,7 @@ def test_round_surfaces(tmp_path, fmi):
     path = str(scene.export(tmp_path / "bowl.fmu", fmi=fmi) or tmp_path / "bowl.fmu")
     assert not validate_fmu(path)
     found = [
-        fmpy.simulate_fmu(
-            path, fmi_type=kind, stop_time=UNTIL, output_interval=0.01, relative_tolerance=1e-9
-        )
+        fmpy.simulate_fmu(path, fmi_type=kind, stop_time=UNTIL, output_interval=0.01, relative_tolerance=1e-9)
         for kind in ("ModelExchange", "CoSimulation")
     ]
 

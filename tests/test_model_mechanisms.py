@@ -43,7 +43,10 @@ def test_slider_crank_is_a_slider_crank():
 
     def energy(t, h=1e-5):
         here, rate = places(t), (places(t + h) - places(t - h)) / (2 * h)
-        return np.array([0.5, 0.3, 1.0, 2.5e-3]) @ np.abs(rate) ** 2 / 2 + np.array([0.5, 0.3, 1.0, 0]) @ here.imag * G
+        return (
+            np.array([0.5, 0.3, 1.0, 2.5e-3]) @ np.abs(rate) ** 2 / 2
+            + np.array([0.5, 0.3, 1.0, 0]) @ here.imag * G
+        )
 
     power = (energy(t + 1e-4) - energy(t - 1e-4)) / 2e-4
 

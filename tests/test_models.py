@@ -96,7 +96,9 @@ def assert_same(found, expected, names):
             np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
         else:
             scale = np.abs(expected[name]).max()
-            np.testing.assert_allclose(found[name], expected[name], rtol=1e-12, atol=1e-12 * scale, err_msg=name)
+            np.testing.assert_allclose(
+                found[name], expected[name], rtol=1e-12, atol=1e-12 * scale, err_msg=name
+            )
 
 
 def test_all_scenes_are_found():
@@ -175,7 +177,11 @@ def test_start_values(tmp_path):
         for name in ("j", "box"):
             np.testing.assert_allclose(results[f"{name}.position"][0], position, rtol=1e-15)
             np.testing.assert_allclose(results[f"{name}.velocity"][0], velocity, rtol=1e-15)
-            found = [table[f"{name}.{quantity}[{k}]"][0] for quantity in ("position", "velocity") for k in (1, 2, 3)]
+            found = [
+                table[f"{name}.{quantity}[{k}]"][0]
+                for quantity in ("position", "velocity")
+                for k in (1, 2, 3)
+            ]
             np.testing.assert_allclose(found, position + velocity, rtol=1e-15)
 
 

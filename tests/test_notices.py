@@ -80,7 +80,10 @@ def test_kernels_notices_in_the_log(model, library, tmp_path):
     instance = Instance(library, location=tmp_path.as_uri().encode()).start()
     data = bytearray(instance.serialise(instance.save()))
     state_at = HEAD_OF_STATE + 8 * 8 + 8 * len(model.reals)
-    told = {"notices": [2.0], "notice": [float(status(99, 1)), 0.25, -1e-7, float(status(STIFF, 0)), 0.0, 0.0]}
+    told = {
+        "notices": [2.0],
+        "notice": [float(status(99, 1)), 0.25, -1e-7, float(status(STIFF, 0)), 0.0, 0.0],
+    }
     for name, values in told.items():
         at = int(model.ints[layout.SLOT[name]])
         struct.pack_into(f"<{len(values)}d", data, state_at + 8 * at, *values)

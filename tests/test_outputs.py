@@ -87,7 +87,9 @@ def test_cantilever_of_fixed_parts(reverse):
         ends = ["ground" if k == 0 else f"part {k - 1}.end", f"part {k}"]
         joint[f"weld {k}"] = {"fixed": {}, "between": ends[::-1] if reverse else ends, "output": REACTIONS}
 
-    found = named_outputs(Instance(compile_scene(Scene.model_validate({"name": "beam", "body": body, "joint": joint}))))
+    found = named_outputs(
+        Instance(compile_scene(Scene.model_validate({"name": "beam", "body": body, "joint": joint})))
+    )
     sign = -1 if reverse else 1
 
     for k in range(n):
@@ -168,7 +170,12 @@ def four_bar(**solver):
                     "friction": {"coulomb": 0.3, "smoothing_speed": 0.1},
                     "output": REACTIONS + ["angle"],
                 },
-                "b": {"spherical": {}, "between": ["coupler", "crank.tip"], "input": "torque", "output": REACTIONS},
+                "b": {
+                    "spherical": {},
+                    "between": ["coupler", "crank.tip"],
+                    "input": "torque",
+                    "output": REACTIONS,
+                },
                 "c": {
                     "universal": {"axes": ["y", "z"]},
                     "between": ["coupler.tip", "rocker.tip"],
@@ -204,7 +211,6 @@ def test_reactions_do_not_depend_on_where_the_loop_is_cut():
                 assert_near(after[name], value, 1e-8 * max(1, np.abs(value).max()))
 
 
-
 def slider_crank(driver, **solver):
     """A driven crank with spring and friction of its own, a rod, a piston under load: determinate, of no freedom."""
     bar = {"mass": 1.0, "inertia": [0.02, 0.03, 0.04]}
@@ -228,7 +234,11 @@ def slider_crank(driver, **solver):
                     "output": ["angle", "speed", "effort", *REACTIONS],
                 },
                 "big end": {"spherical": {}, "between": ["crank.tip", "rod"], "output": REACTIONS},
-                "small end": {"universal": {"axes": ["y", "z"]}, "between": ["piston", "rod.tip"], "output": REACTIONS},
+                "small end": {
+                    "universal": {"axes": ["y", "z"]},
+                    "between": ["piston", "rod.tip"],
+                    "output": REACTIONS,
+                },
                 "bore": {
                     "prismatic": {"axis": "x"},
                     "between": ["ground", "piston"],
@@ -271,7 +281,11 @@ def test_driving_effort_brings_the_energy():
     h = 1e-3
     run = simulate(compile_scene(slider_crank(DRIVERS["harmonic"])), 0.1, h)
     speed = run["'crank pin'.speed"]
-    power = run["'crank pin'.effort"] * speed - 0.5 * np.tanh(speed / 0.1) * speed - 5.0 * run["piston.velocity[1]"]
+    power = (
+        run["'crank pin'.effort"] * speed
+        - 0.5 * np.tanh(speed / 0.1) * speed
+        - 5.0 * run["piston.velocity[1]"]
+    )
     at = np.arange(3, 97)
     steps = np.array([-1, 9, -45, 45, -9, 1]) / (60 * h)
     slope = sum(step * run["total_energy"][at + k] for step, k in zip(steps, (-3, -2, -1, 1, 2, 3)))
@@ -313,18 +327,41 @@ def test_gear_loads_its_joints(formulation):
 def everything():
     """A scene with every output and force element."""
     inertia = [0.3, 0.4, 0.5]
-    seen = ["position", "velocity", "acceleration", "omega", "alpha", "acceleration_body", "alpha_body", "velocity_body"]
+    seen = [
+        "position",
+        "velocity",
+        "acceleration",
+        "omega",
+        "alpha",
+        "acceleration_body",
+        "alpha_body",
+        "velocity_body",
+    ]
     return Scene.model_validate(
         {
             "name": "everything",
             "solver": SOLVER,
             "output": [
-                "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy",
-                "linear_momentum", "angular_momentum", "center_of_mass", "constraint_gap", "constraint_rate", "multipliers",
+                "kinetic_energy",
+                "potential_energy",
+                "total_energy",
+                "gravity_energy",
+                "spring_energy",
+                "linear_momentum",
+                "angular_momentum",
+                "center_of_mass",
+                "constraint_gap",
+                "constraint_rate",
+                "multipliers",
             ],
             "ground": {"marker": {"peg": {"position": [0.5, 1.0, 0.2]}}},
             "body": {
-                "a": {"mass": 2.0, "com": [0, 0, -0.3], "inertia": inertia, "marker": {"m": {"position": [0.1, 0, -0.6]}}},
+                "a": {
+                    "mass": 2.0,
+                    "com": [0, 0, -0.3],
+                    "inertia": inertia,
+                    "marker": {"m": {"position": [0.1, 0, -0.6]}},
+                },
                 "b": {
                     "mass": 1.0,
                     "com": [0.1, 0, -0.2],
@@ -345,7 +382,12 @@ def everything():
                     "input": "torque",
                     "output": ["angle", "speed", "acceleration", *REACTIONS],
                 },
-                "jb": {"spherical": {}, "between": ["a.m", "b"], "start": {"omega": [1, 2, 0.5]}, "output": REACTIONS},
+                "jb": {
+                    "spherical": {},
+                    "between": ["a.m", "b"],
+                    "start": {"omega": [1, 2, 0.5]},
+                    "output": REACTIONS,
+                },
                 "weld": {"fixed": {}, "between": ["b.m", "c"], "output": REACTIONS},
                 "jd": {
                     "prismatic": {"axis": [1, 0, 1]},
@@ -364,8 +406,14 @@ def everything():
                     "input": "force",
                     "output": ["length", "rate"],
                 },
-                "bush": {"bushing": {"stiffness": [1, 2, 3, 4, 5, 6], "damping": [0.1] * 6}, "between": ["a", "c"]},
-                "steady": {"load": {"force": [0.1, 0.2, 0.3], "moment": [0.3, 0.2, 0.1], "axes": "body"}, "on": "b.m"},
+                "bush": {
+                    "bushing": {"stiffness": [1, 2, 3, 4, 5, 6], "damping": [0.1] * 6},
+                    "between": ["a", "c"],
+                },
+                "steady": {
+                    "load": {"force": [0.1, 0.2, 0.3], "moment": [0.3, 0.2, 0.1], "axes": "body"},
+                    "on": "b.m",
+                },
                 "gust": {
                     "load": {"table": {"time": [0, 0.1, 0.3], "force": [[0, 0, 0], [2, 1, 0], [0, 0, 1]]}},
                     "on": "c",
@@ -375,8 +423,15 @@ def everything():
                 "m": {
                     "between": ["a.m", "c.m"],
                     "output": [
-                        "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters",
-                        "zyx", "omega",
+                        "distance",
+                        "distance_rate",
+                        "angle",
+                        "position",
+                        "velocity",
+                        "acceleration",
+                        "euler_parameters",
+                        "zyx",
+                        "omega",
                     ],
                 }
             },
@@ -457,7 +512,10 @@ def test_all_bodies_count_whatever_is_asked_for(formulation, field):
         "solver": {"formulation": formulation},
         "ground": {"marker": {"m": {"position": [0.5, 0, 0]}}},
         "body": {"still": body, "turns": body | {"mass": 1.0, "com": [0, 3.0, 0]}},
-        "joint": {"weld": {"fixed": {}, "between": ["ground.m", "still"]}, "hinge": {"revolute": {}, "between": ["ground", "turns"]}},
+        "joint": {
+            "weld": {"fixed": {}, "between": ["ground.m", "still"]},
+            "hinge": {"revolute": {}, "between": ["ground", "turns"]},
+        },
     } | field
     r, R = np.array([0.5, 0, 1.0]), np.array([0, 3.0, 0])
     mu, g = field.get("central_gravity", {"mu": 0.0})["mu"], np.array(field.get("gravity", [0, 0, 0]))
@@ -475,7 +533,10 @@ def test_all_bodies_count_whatever_is_asked_for(formulation, field):
 def test_momentum_is_kept_without_the_world(case):
     """No gravity, no force to the ground: the momenta keep, and the centre of mass goes straight."""
     scene = case.scene().model_copy(
-        update={"gravity": (0.0, 0.0, 0.0), "output": ["linear_momentum", "angular_momentum", "center_of_mass"]}
+        update={
+            "gravity": (0.0, 0.0, 0.0),
+            "output": ["linear_momentum", "angular_momentum", "center_of_mass"],
+        }
     )
     instance = random_instance(scene)
     first = named_outputs(instance)
@@ -565,7 +626,8 @@ def test_a_moving_ground_feels_what_pushes_bodies_in_its_water():
         "gravity": [0, 0, 0],
         "output": ["driver_power"],
         "ground": {
-            "motion": {"rotation": {"axis": "y", "speed": 0.3, "point": [1, 0, 0]}}, "output": ["reaction_force"]
+            "motion": {"rotation": {"axis": "y", "speed": 0.3, "point": [1, 0, 0]}},
+            "output": ["reaction_force"],
         },
         "body": {"b": {"mass": 1.0, "inertia": [0, 0, 0]}},
         "joint": {"slide": {"prismatic": {}, "input": "force", "between": ["inertial", "b"]}},
@@ -622,8 +684,12 @@ def test_fmu_says_the_same(everything_model, tmp_path):
     fmu = export_fmu(everything_model, tmp_path / "everything.fmu")
     inputs = {"ja.torque": 2.0, "strut.force": 1.5}
     H, n = 1 / 64, 32
-    signals = np.array([(0.0, *inputs.values()), (1.0, *inputs.values())], [("time", float), *((k, float) for k in inputs)])
-    there = fmpy.simulate_fmu(str(fmu), stop_time=n * H, output_interval=H, input=signals, start_values=inputs)
+    signals = np.array(
+        [(0.0, *inputs.values()), (1.0, *inputs.values())], [("time", float), *((k, float) for k in inputs)]
+    )
+    there = fmpy.simulate_fmu(
+        str(fmu), stop_time=n * H, output_interval=H, input=signals, start_values=inputs
+    )
     inside = simulate(everything_model, n * H, H, inputs=inputs)
 
     for v in everything_model.of_causality("output"):

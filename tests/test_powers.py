@@ -63,7 +63,11 @@ def dressed(data, rng, drivers=True, moving=True):
         if kind is None:
             continue
 
-        joint |= {"friction": {"coulomb": 0.4, "static": 0.6, "viscous": 0.1, "smoothing_speed": 0.2}} if chance(0.4) else {}
+        joint |= (
+            {"friction": {"coulomb": 0.4, "static": 0.6, "viscous": 0.1, "smoothing_speed": 0.2}}
+            if chance(0.4)
+            else {}
+        )
         ends = {"lower": -0.2, "upper": 0.3} if chance(0.5) else {"upper": -0.5}
         joint |= {"stop": ends | {"stiffness": 20.0, "damping": 2.0}} if chance(0.4) else {}
         joint.pop("input", None)
@@ -76,12 +80,19 @@ def dressed(data, rng, drivers=True, moving=True):
         elif chance(0.5):
             joint["input"] = "torque" if kind == "revolute" else "force"
 
-        joint |= {"turning": {"inertia": 0.01, "ratio": -5.0 + 10.0 * rotors.random()}} if rotors.random() < 0.4 else {}
+        joint |= (
+            {"turning": {"inertia": 0.01, "ratio": -5.0 + 10.0 * rotors.random()}}
+            if rotors.random() < 0.4
+            else {}
+        )
         joint["output"] = ["power", "speed"] + [f"{part}_effort" for part in PARTS if joint.get(part)]
 
     if chance(0.5):
         marker = next(iter(data["body"][bodies[0]]["marker"]))
-        data["body"][bodies[0]] |= {"input": ["force", "moment"], "input_axes": "body" if chance(0.5) else "inertial"}
+        data["body"][bodies[0]] |= {
+            "input": ["force", "moment"],
+            "input_axes": "body" if chance(0.5) else "inertial",
+        }
         data["body"][bodies[0]]["marker"][marker]["input"] = ["force"]
 
     def matrix(symmetric):
@@ -90,10 +101,20 @@ def dressed(data, rng, drivers=True, moving=True):
 
     force = data.setdefault("force", {})
     pair = [bodies[0], bodies[-1] if len(bodies) > 1 else "ground"]
-    force["pull"] = {"spring_damper": {"stiffness": 2.0, "damping": 0.3, "rest_length": 0.4}, "between": pair, "input": "force"}
+    force["pull"] = {
+        "spring_damper": {"stiffness": 2.0, "damping": 0.3, "rest_length": 0.4},
+        "between": pair,
+        "input": "force",
+    }
     force["twist"] = {"torsion": {"stiffness": 1.5, "rest_deg": -40, "damping": 0.2}, "between": pair}
-    force["mount"] = {"bushing": {"stiffness": matrix(chance(0.5)), "damping": matrix(False)}, "between": pair[::-1]}
-    force["push"] = {"load": {"force": [1.0, 2.0, 3.0], "moment": [0.5, 0.0, -0.4], "axes": "body"}, "on": bodies[-1]}
+    force["mount"] = {
+        "bushing": {"stiffness": matrix(chance(0.5)), "damping": matrix(False)},
+        "between": pair[::-1],
+    }
+    force["push"] = {
+        "load": {"force": [1.0, 2.0, 3.0], "moment": [0.5, 0.0, -0.4], "axes": "body"},
+        "on": bodies[-1],
+    }
 
     for element in force.values():
         element["output"] = ["power"]
@@ -156,8 +177,16 @@ def instance_of(scene, seed):
     return instance
 
 
-LOOPS = st.lists(st.sampled_from(["revolute", "universal", "spherical", "distance", "point_on_line", "knife_edge"]), max_size=2)
-CASES = given(st.integers(0, 2**32 - 1), LOOPS, st.integers(1, 8), st.sampled_from(["recursive", "embedding", "augmented"]))
+LOOPS = st.lists(
+    st.sampled_from(["revolute", "universal", "spherical", "distance", "point_on_line", "knife_edge"]),
+    max_size=2,
+)
+CASES = given(
+    st.integers(0, 2**32 - 1),
+    LOOPS,
+    st.integers(1, 8),
+    st.sampled_from(["recursive", "embedding", "augmented"]),
+)
 
 
 @examples
@@ -180,18 +209,25 @@ def test_powers_are_the_rate_of_the_energy(seed, loops, n_body, formulation):
     assert_near(inside + outside, change["kinetic_energy"] + change["gravity_energy"], 1e-9 * size)
 
 
-ELEMENTS = [module for module in vars(forces).values() if inspect.ismodule(module) and hasattr(module, "power")]
+ELEMENTS = [
+    module for module in vars(forces).values() if inspect.ismodule(module) and hasattr(module, "power")
+]
 OUTSIDE = (effort_inputs, wrench_inputs, loads)
 
 
 def account(element, m, d):
     """(power, supplied, dissipated, energy) of a force element now; kinematics is there."""
     supplied = element.power(m, d) if element in OUTSIDE else 0.0
-    parts = [getattr(element, name)(m, d) if hasattr(element, name) else 0.0 for name in ("supplied", "dissipated", "energy")]
+    parts = [
+        getattr(element, name)(m, d) if hasattr(element, name) else 0.0
+        for name in ("supplied", "dissipated", "energy")
+    ]
     return np.array([element.power(m, d), supplied + parts[0], *parts[1:]])
 
 
-@pytest.mark.skipif(not INTERPRETED, reason="calls each element's functions, which are compiled as parts of others alone")
+@pytest.mark.skipif(
+    not INTERPRETED, reason="calls each element's functions, which are compiled as parts of others alone"
+)
 @pytest.mark.parametrize("seed", range(6))
 def test_every_force_element_accounts_for_its_power(seed):
     """What an element works on the bodies is what it is supplied with, less what it loses, less the rate of what it stores."""
@@ -215,7 +251,9 @@ def test_every_force_element_accounts_for_its_power(seed):
 def test_every_force_element_accounts_for_its_power_interpreted():
     names = f"{__file__}::test_every_force_element_accounts_for_its_power"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", names]
-    done = subprocess.run(command, env=os.environ | {"MBDFMI_INTERPRETED": "1"}, capture_output=True, text=True)
+    done = subprocess.run(
+        command, env=os.environ | {"MBDFMI_INTERPRETED": "1"}, capture_output=True, text=True
+    )
     assert done.returncode == 0 and "6 passed" in done.stdout, done.stdout
 
 
@@ -223,7 +261,16 @@ def test_there_are_elements_with_powers():
     """Those above: nothing is proved of an empty list; central gravity's is asked in test_outputs, its gradient's in
     test_gravity_gradient."""
     names = {module.__name__.rpartition(".")[2] for module in ELEMENTS}
-    assert {"joint_springs", "friction", "stops", "struts", "six_by_six", "loads", "effort_inputs", "wrench_inputs"} <= names
+    assert {
+        "joint_springs",
+        "friction",
+        "stops",
+        "struts",
+        "six_by_six",
+        "loads",
+        "effort_inputs",
+        "wrench_inputs",
+    } <= names
 
 
 def sum_of(found, part):
@@ -311,7 +358,12 @@ def test_a_tooth_between_two_wheels():
         name="gear",
         body={"a": wheel(I1), "b": wheel(I2)},
         joint={
-            "a": {"revolute": {}, "between": ["ground", "a"], "input": "torque", "output": ["input_effort", "power"]},
+            "a": {
+                "revolute": {},
+                "between": ["ground", "a"],
+                "input": "torque",
+                "output": ["input_effort", "power"],
+            },
             "b": {"revolute": {}, "between": ["ground", "b"], "start": {"speed": -1.0}},
         },
         coupling={"mesh": {"gear": {"ratio": -2}, "between": ["a", "b"], "output": ["efforts"]}},
@@ -334,8 +386,21 @@ def test_efforts_of_a_joint_add_up_to_what_moves_it():
         "stop": {"upper": 0.3, "stiffness": 50.0, "damping": 1.0},
         "input": "torque",
     }
-    outputs = ["acceleration", "spring_effort", "damper_effort", "friction_effort", "stop_effort", "input_effort", "power"]
-    joint = {"revolute": {}, "between": ["ground", "a"], "start": {"angle": angle, "speed": speed}, "output": outputs}
+    outputs = [
+        "acceleration",
+        "spring_effort",
+        "damper_effort",
+        "friction_effort",
+        "stop_effort",
+        "input_effort",
+        "power",
+    ]
+    joint = {
+        "revolute": {},
+        "between": ["ground", "a"],
+        "start": {"angle": angle, "speed": speed},
+        "output": outputs,
+    }
     body = {"mass": 1, "inertia": [I, I, I]}
     scene = Scene(name="all", gravity=[0, 0, 0], body={"a": body}, joint={"j": joint | parts})
     instance = Instance(compile_scene(scene))
@@ -356,8 +421,16 @@ def test_driver_effort_is_that_of_the_driver_alone(angle):
     """A driven, sprung pendulum: what inertia, weight and spring leave to the driver; a run by `effort` too."""
     m, l, w = 2.0, 0.7, 1.3
     body = {"mass": m, "com": [0, 0, -l], "inertia": ALL_AXES}
-    joint = {"revolute": {"axis": "y"}, "between": ["ground", "a"], "spring": {"stiffness": 5.0}, "start": {"angle": angle}}
-    joint |= {"driver": {"constant_speed": w}, "output": ["driver_effort", "effort", "spring_effort", "power"]}
+    joint = {
+        "revolute": {"axis": "y"},
+        "between": ["ground", "a"],
+        "spring": {"stiffness": 5.0},
+        "start": {"angle": angle},
+    }
+    joint |= {
+        "driver": {"constant_speed": w},
+        "output": ["driver_effort", "effort", "spring_effort", "power"],
+    }
     found = named_outputs(Instance(compile_scene(Scene(name="p", body={"a": body}, joint={"j": joint}))))
     held = m * 9.81 * l * np.sin(angle) + 5.0 * angle
     assert_near(found["j.driver_effort"], held, 1e-12)
@@ -371,7 +444,11 @@ def test_an_actuated_strut(reverse):
     """Tension of spring, damper and input; it pulls both ends together, and the output knows its input."""
     outputs = ["tension", "spring_force", "damper_force", "input_force", "power", "length", "rate"]
     ends = ["a", "ground"] if reverse else ["ground", "a"]
-    strut = {"spring_damper": {"stiffness": 4.0, "damping": 2.0, "rest_length": 1.5}, "between": ends, "input": "force"}
+    strut = {
+        "spring_damper": {"stiffness": 4.0, "damping": 2.0, "rest_length": 1.5},
+        "between": ends,
+        "input": "force",
+    }
     scene = Scene(
         name="s", gravity=[0, 0, 0],
         body={"a": {"mass": 2, "inertia": [0, 0, 0], "output": ["acceleration"]}},
@@ -407,9 +484,18 @@ def test_wrench_of_a_bushing(kind):
         ground={"marker": {"m": marker}},
         body={"a": {"mass": 2, "inertia": [1, 1, 1]}},
         joint={"f": {"free": {}, "between": ["ground", "a"], "start": start}},
-        force={"e": {kind: {"stiffness": K.tolist(), "damping": C.tolist()}, "between": ["ground.m", "a"], "output": outputs}},
+        force={
+            "e": {
+                kind: {"stiffness": K.tolist(), "damping": C.tolist()},
+                "between": ["ground.m", "a"],
+                "output": outputs,
+            }
+        },
     )
-    found = {name.rpartition(".")[2]: value for name, value in named_outputs(Instance(compile_scene(scene))).items()}
+    found = {
+        name.rpartition(".")[2]: value
+        for name, value in named_outputs(Instance(compile_scene(scene))).items()
+    }
     expected = -K @ np.append(moved, turned) - C @ np.append(v, w)
     assert_near(np.append(found["force"], found["moment"]), expected, 1e-12)
     assert_near(found["displacement"], moved, 1e-15)
@@ -444,7 +530,9 @@ def test_zyx_rates_are_the_rates_of_the_angles(seed):
 def test_zyx_rates_are_finite_at_90_degrees_of_pitch():
     body = {"mass": 1, "inertia": ALL_AXES, "output": ["zyx_rate"]}
     start = {"zyx_deg": [0, 90, 0], "omega": [1, 2, 3]}
-    scene = Scene(name="z", body={"a": body}, joint={"f": {"free": {}, "between": ["ground", "a"], "start": start}})
+    scene = Scene(
+        name="z", body={"a": body}, joint={"f": {"free": {}, "between": ["ground", "a"], "start": start}}
+    )
     assert np.all(np.isfinite(named_outputs(Instance(compile_scene(scene)))["a.zyx_rate"]))
 
 
@@ -487,6 +575,13 @@ def test_outputs_feel_the_inputs_that_they_depend_on(seed, loops, n_body, formul
         instance.u[v.index] = kept
         assert [outputs[k].name for k in changed if v.index not in outputs[k].depends] == []
 
-    still = ("spring_effort", "damper_effort", "friction_effort", "stop_effort", "dissipated_power", "load_power")
+    still = (
+        "spring_effort",
+        "damper_effort",
+        "friction_effort",
+        "stop_effort",
+        "dissipated_power",
+        "load_power",
+    )
     assert not any(v.depends for v in outputs if v.name.endswith(still))
     assert all(v.unit for v in outputs if v.name != "center_of_mass") and all(v.description for v in outputs)

@@ -17,7 +17,16 @@ from mbdfmi.run.simulate import simulate
 formulations = pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
 EXACT = {"integrator": "rk853", "tolerance": 1e-11}
 BODY = {"mass": 2.0, "inertia": [0.3, 0.4, 0.5], "com": [0.1, 0.2, 0.3]}
-OUTPUT = ["position", "velocity", "zyx_rate", "euler_parameters", "driver_force", "driver_torque", "reaction_force", "reaction_moment"]
+OUTPUT = [
+    "position",
+    "velocity",
+    "zyx_rate",
+    "euler_parameters",
+    "driver_force",
+    "driver_torque",
+    "reaction_force",
+    "reaction_moment",
+]
 DRIVER = {
     "x": {"harmonic": {"amplitude": 0.3, "frequency": 0.7}},
     "y": {"ramp": {"time": [0.1, 0.5], "position": [0.2, -0.1]}},
@@ -71,7 +80,20 @@ def test_the_pose_is_as_told_and_what_drives_it_bears_the_body(formulation, back
     assert_near(columns(results, "move.driver_force", 3), force, 1e-9)
 
     # efforts are along the coordinates: their power is that of the drivers
-    rates = np.einsum("nij,nj->ni", np.array([[[0, -np.sin(a), np.cos(a) * np.cos(b)], [0, np.cos(a), np.sin(a) * np.cos(b)], [1, 0, -np.sin(b)]] for a, b, _ in turn]).transpose(0, 2, 1), columns(results, "move.reaction_moment", 3))
+    rates = np.einsum(
+        "nij,nj->ni",
+        np.array(
+            [
+                [
+                    [0, -np.sin(a), np.cos(a) * np.cos(b)],
+                    [0, np.cos(a), np.sin(a) * np.cos(b)],
+                    [1, 0, -np.sin(b)],
+                ]
+                for a, b, _ in turn
+            ]
+        ).transpose(0, 2, 1),
+        columns(results, "move.reaction_moment", 3),
+    )
     assert_near(columns(results, "move.driver_torque", 3), rates, 1e-9)
 
 
@@ -127,7 +149,9 @@ def test_all_that_is_not_driven_is_held():
 
 def test_what_is_refused():
     with pytest.raises(SceneError, match='needs one of "x", "y"'):
-        Scene.model_validate(platform() | {"joint": {"move": {"prescribed": {}, "between": ["ground", "p"], "driver": {}}}})
+        Scene.model_validate(
+            platform() | {"joint": {"move": {"prescribed": {}, "between": ["ground", "p"], "driver": {}}}}
+        )
 
     scene = platform()
     scene["joint"]["move"]["start"] = {"position": [0.1, 0, 0]}

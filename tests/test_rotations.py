@@ -9,18 +9,26 @@ from scipy.spatial.transform import Rotation as Theirs
 from mbdfmi.rotations import Rotation
 
 RNG = np.random.default_rng(5)
-ANGLES = np.vstack([RNG.uniform(-4, 4, (300, 3)), RNG.integers(-4, 5, (100, 3)) * np.pi / 2, 1e-4 * RNG.normal(size=(20, 3))])
-EULER_PARAMETERS = np.vstack([RNG.normal(size=(300, 4)), np.eye(4), -np.eye(4), RNG.integers(-1, 2, (50, 4)) + [0, 0, 0, 0.5]])
+ANGLES = np.vstack(
+    [RNG.uniform(-4, 4, (300, 3)), RNG.integers(-4, 5, (100, 3)) * np.pi / 2, 1e-4 * RNG.normal(size=(20, 3))]
+)
+EULER_PARAMETERS = np.vstack(
+    [RNG.normal(size=(300, 4)), np.eye(4), -np.eye(4), RNG.integers(-1, 2, (50, 4)) + [0, 0, 0, 0.5]]
+)
 
 
 def test_rotation_vectors():
     for vector in [*ANGLES, np.zeros(3), np.array([0, 0, 3e-4])]:
-        np.testing.assert_array_equal(Rotation.from_rotvec(vector).as_quat(), Theirs.from_rotvec(vector).as_quat())
+        np.testing.assert_array_equal(
+            Rotation.from_rotvec(vector).as_quat(), Theirs.from_rotvec(vector).as_quat()
+        )
 
 
 @pytest.mark.parametrize("axes", ["ZYX", "ZXZ"])
 def test_angles(axes):
-    np.testing.assert_array_equal(Rotation.from_euler(axes, ANGLES).as_quat(), Theirs.from_euler(axes, ANGLES).as_quat())
+    np.testing.assert_array_equal(
+        Rotation.from_euler(axes, ANGLES).as_quat(), Theirs.from_euler(axes, ANGLES).as_quat()
+    )
     degrees = 40 * ANGLES[7]
     found = Rotation.from_euler(axes, degrees, degrees=True).as_quat()
     np.testing.assert_array_equal(found, Theirs.from_euler(axes, degrees, degrees=True).as_quat())
@@ -34,7 +42,9 @@ def test_euler_parameters_and_matrices():
     for E in EULER_PARAMETERS:
         A = Theirs.from_quat(E).as_matrix()
         np.testing.assert_array_equal(Rotation.from_quat(E).as_matrix(), A)
-        np.testing.assert_allclose(Rotation.from_quat(E).apply(E[:3]), Theirs.from_quat(E).apply(E[:3]), atol=1e-15)
+        np.testing.assert_allclose(
+            Rotation.from_quat(E).apply(E[:3]), Theirs.from_quat(E).apply(E[:3]), atol=1e-15
+        )
         np.testing.assert_array_equal(Rotation.from_matrix(A).as_quat(), Theirs.from_matrix(A).as_quat())
 
 

@@ -23,7 +23,9 @@ def outputs_of(instance):
 
 def run(data, end, formulation="recursive", u=()):
     """Outputs at a time by name."""
-    instance = Instance(compile_scene(Scene.model_validate(data | {"solver": TIGHT | {"formulation": formulation}})))
+    instance = Instance(
+        compile_scene(Scene.model_validate(data | {"solver": TIGHT | {"formulation": formulation}}))
+    )
     instance.u[: len(u)] = u
     instance.step(end)
     return outputs_of(instance)
@@ -82,7 +84,11 @@ def test_a_gyrostat_precesses(reverse, formulation):
     host, other = ("arm", "hub") if reverse else ("hub", "arm")
     data["body"][host] = {"mass": 1.0, "inertia": [I - small] * 3, "output": ["omega_body"]}
     data["body"][other] = {"mass": 1.0, "inertia": [small] * 3}
-    loose = {"free": {}, "between": ["ground", host], "start": {"omega": [w0, 0.0, wz], "velocity": [0.1, 0.2, 0.3]}}
+    loose = {
+        "free": {},
+        "between": ["ground", host],
+        "start": {"omega": [w0, 0.0, wz], "velocity": [0.1, 0.2, 0.3]},
+    }
     data["joint"] = {"loose": loose, "hinge": {key: hinge[key] for key in ("revolute", "between", "turning")}}
     data["joint"]["hinge"] |= {"driver": {"constant_speed": speed}}
     rate = (ratio * J + small) * speed / I
@@ -148,10 +154,17 @@ def with_rotors(data, seed):
             more[body] = more[body] + A @ inertia @ A.T
 
         whole["joint"][name] = joint | {"turning": {"inertia": J, "ratio": n}}
-        apart["body"][f"rotor {name}"] = {"mass": 0.0, "inertia": inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()}
+        apart["body"][f"rotor {name}"] = {
+            "mass": 0.0,
+            "inertia": inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist(),
+        }
         start = joint.get("start", {})
         angle, speed = n * start.get("angle", start.get("position", 0.0)), n * start.get("speed", 0.0)
-        spin = {"revolute": {"axis": axis}, "between": [end, f"rotor {name}"], "start": {"angle": angle, "speed": speed}}
+        spin = {
+            "revolute": {"axis": axis},
+            "between": [end, f"rotor {name}"],
+            "start": {"angle": angle, "speed": speed},
+        }
         apart["joint"][f"spin {name}"] = spin
         apart["coupling"][f"gear {name}"] = {"linear": {"ratio": n}, "between": [name, f"spin {name}"]}
 
@@ -182,7 +195,9 @@ def asked(data, seed):
         body["output"] = ["alpha", "acceleration"]
 
     data["ground"] = data.get("ground", {}) | {"output": ["reaction_force", "reaction_moment"]}
-    return data | {"output": ["kinetic_energy", "total_energy", "angular_momentum", "linear_momentum", "driver_power"]}
+    return data | {
+        "output": ["kinetic_energy", "total_energy", "angular_momentum", "linear_momentum", "driver_power"]
+    }
 
 
 def instance_of(data, formulation):
@@ -199,7 +214,9 @@ def random_tree(seed, **options):
     data = asked(scene.model_dump(exclude_unset=True), seed)
 
     if seed % 3 == 0:
-        data["ground"]["motion"] = {"rotation": {"axis": [0.2, 1, 0.3], "speed": 0.7, "point": [0.1, 0.2, 0.3]}}
+        data["ground"]["motion"] = {
+            "rotation": {"axis": [0.2, 1, 0.3], "speed": 0.7, "point": [0.1, 0.2, 0.3]}
+        }
 
     return data
 
@@ -263,7 +280,11 @@ def test_energy_and_momentum_are_kept():
     """A free chain of hinges with rotors and a spring, a second of motion."""
     data = two_bodies(False, 0.3, -4.0)
     data["joint"]["loose"]["start"] = {"omega": [1.0, 2.0, -0.5]}
-    data["joint"]["hinge"] |= {"revolute": {"axis": [1, 1, 0]}, "spring": {"stiffness": 3.0}, "start": {"angle": 0.5, "speed": 1.0}}
+    data["joint"]["hinge"] |= {
+        "revolute": {"axis": [1, 1, 0]},
+        "spring": {"stiffness": 3.0},
+        "start": {"angle": 0.5, "speed": 1.0},
+    }
     data["output"] += ["total_energy"]
     names = ["total_energy", *(f"angular_momentum[{k}]" for k in (1, 2, 3))]
     first, last = run(data, 1e-9), run(data, 1.0)
@@ -281,9 +302,16 @@ def test_a_loop_of_rotors_is_told():
         "c": hinge("bar1.end", "bar2"),
         "d": hinge("bar2.end", "ground.far"),
     }
-    data = {"name": "loop", "body": body, "joint": joint, "ground": {"marker": {"far": {"position": [0, 1, 0]}}}}
+    data = {
+        "name": "loop",
+        "body": body,
+        "joint": joint,
+        "ground": {"marker": {"far": {"position": [0, 1, 0]}}},
+    }
 
-    with pytest.raises(SceneError, match=r'joint\.d\] turning: all joints of this loop have a rotor.*leave "turning" out'):
+    with pytest.raises(
+        SceneError, match=r'joint\.d\] turning: all joints of this loop have a rotor.*leave "turning" out'
+    ):
         compile_scene(Scene.model_validate(data))
 
     joint["b"].pop("turning")
@@ -315,8 +343,17 @@ def test_a_description_knows_the_units_of_a_winch():
 
 def test_a_joint_may_be_called_as_its_body():
     """Where absolute coordinates begin with joints of their own, too."""
-    hinge = {"revolute": {}, "between": ["ground", "b"], "turning": {"inertia": 0.1, "ratio": 3.0}, "start": {"angle": 0.4}}
-    data = {"name": "twins", "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}}, "joint": {"b": hinge | {"output": ["angle"]}}}
+    hinge = {
+        "revolute": {},
+        "between": ["ground", "b"],
+        "turning": {"inertia": 0.1, "ratio": 3.0},
+        "start": {"angle": 0.4},
+    }
+    data = {
+        "name": "twins",
+        "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        "joint": {"b": hinge | {"output": ["angle"]}},
+    }
     assert_near(run(data, 0.0, "augmented")["b.angle"], 0.4, 1e-15)
 
 
@@ -356,7 +393,11 @@ def test_rotors_determine_no_reaction():
     bar = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1], "marker": {"end": {"position": [0, 0, -1.0]}}}
     ends = [["ground", "a"], ["a.end", "b"], ["b.end", "c"], ["c.end", "ground.far"]]
     joint = {name: {"revolute": {"axis": "y"}, "between": between} for name, between in zip("pqrs", ends)}
-    joint["p"]["start"], joint["q"]["start"], joint["r"]["start"] = {"angle": 0.4}, {"angle": -1.9}, {"angle": -1.7}
+    joint["p"]["start"], joint["q"]["start"], joint["r"]["start"] = (
+        {"angle": 0.4},
+        {"angle": -1.9},
+        {"angle": -1.7},
+    )
     joint["q"]["turning"] = {"inertia": 0.1, "ratio": 3.0}
     ground = {"marker": {"far": {"position": [1.0, 0, 0]}}}
     scene = Scene(name="loop", body=dict.fromkeys("abc", bar), joint=joint, ground=ground)

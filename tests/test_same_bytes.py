@@ -40,14 +40,22 @@ for formulation in ("recursive", "embedding", "augmented"):
 """
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names of instruction sets as OpenBLAS on Linux takes them")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="names of instruction sets as OpenBLAS on Linux takes them"
+)
 def test_models_do_not_depend_on_the_processor():
     """Kernels of OpenBLAS for processors with and without fused multiply and add."""
     texts = set()
 
     for processor in ("Prescott", "Nehalem", "Haswell"):
-        settings = {"OPENBLAS_CORETYPE": processor, "MBDFMI_INTERPRETED": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
-        done = subprocess.run([sys.executable, "-c", PROGRAM], env=os.environ | settings, capture_output=True, text=True)
+        settings = {
+            "OPENBLAS_CORETYPE": processor,
+            "MBDFMI_INTERPRETED": "1",
+            "PYTHONPATH": os.pathsep.join(sys.path),
+        }
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM], env=os.environ | settings, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stderr
         texts.add(done.stdout)
 
@@ -60,9 +68,16 @@ def test_exports_are_the_same(tmp_path, monkeypatch):
     (tmp_path / "other").mkdir()
     text = (MODELS / "two_link_arm.toml").read_bytes()
     (tmp_path / "two_link_arm.toml").write_bytes(text)
-    paths = [load(MODELS / "two_link_arm.toml").export(tmp_path / "a.fmu"), load(tmp_path / "two_link_arm.toml").export(tmp_path / "other" / "b.fmu")]
+    paths = [
+        load(MODELS / "two_link_arm.toml").export(tmp_path / "a.fmu"),
+        load(tmp_path / "two_link_arm.toml").export(tmp_path / "other" / "b.fmu"),
+    ]
     program = "import mbdfmi; mbdfmi.load('two_link_arm.toml').export('c.fmu')"
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo"}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "PYTHONHASHSEED": "7",
+        "TZ": "Asia/Tokyo",
+    }
     subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=environment, check=True)
     paths.append(tmp_path / "c.fmu")
     assert len({hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}) == 1
@@ -81,7 +96,9 @@ def test_banded_equations(n, band):
     diagonals[band, ::3] = 0.0 if n > 2 else 1.0
     band_of = min(band, n - 1)
     wanted = linalg.solve_banded((band_of, band_of), diagonals[band - band_of : band + band_of + 1], right)
-    np.testing.assert_allclose(solve_banded(band, diagonals, right), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+    np.testing.assert_allclose(
+        solve_banded(band, diagonals, right), wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max()
+    )
 
 
 def test_products():

@@ -75,6 +75,7 @@ def arm(tmp_path):
 
 # reading
 
+
 def test_scene_is_read_in_file_order(arm):
     assert arm.name == "two_link_arm"
     assert list(arm.body) == ["upper", "lower"]
@@ -125,8 +126,7 @@ def test_joints_without_coordinates_or_springs():
 
 
 def test_body_rates_are_turned_into_the_first_markers_axes():
-    start = {"position": [1, 2, 3], "velocity": [4, 5, 6], "zyx_deg": [90, 0, 0],
-             "omega_body": [1, 0, 0]}
+    start = {"position": [1, 2, 3], "velocity": [4, 5, 6], "zyx_deg": [90, 0, 0], "omega_body": [1, 0, 0]}
     joint = {"free": {}, "between": ["ground", "a"], "start": start}
     joint = scene_of(joint={"j": joint}).joint["j"]
 
@@ -160,8 +160,10 @@ def test_inputs_and_outputs(arm):
 def test_linear_force_matrices():
     mass = np.diag([1.0, 2, 3, 4, 5, 6])
     mass[0, 4], mass[4, 0] = 1.0, 1.001
-    force = {"linear": {"added_mass": mass.tolist(), "preload": [1, 2, 3, 4, 5, 6]},
-             "between": ["ground", "a"]}
+    force = {
+        "linear": {"added_mass": mass.tolist(), "preload": [1, 2, 3, 4, 5, 6]},
+        "between": ["ground", "a"],
+    }
     force = scene_of(force={"f": force}).force["f"]
 
     assert force.kind == "linear"
@@ -197,18 +199,21 @@ TURN = Rotation.from_euler("ZYX", [0.3, -0.4, 0.5])
 COLUMNS = dict(zip("xyz", TURN.as_matrix().T.tolist()))
 
 
-@pytest.mark.parametrize("written", [
-    {"euler_parameters": TURN.as_quat().tolist()},
-    {"euler_parameters": (1.0005 * TURN.as_quat()).tolist()},
-    {"zyx_rad": [0.3, -0.4, 0.5]},
-    {"zyx_deg": np.degrees([0.3, -0.4, 0.5]).tolist()},
-    {"axis_angle": {"axis": TURN.as_rotvec().tolist(), "angle_rad": TURN.magnitude()}},
-    {"axis_angle": {"axis": TURN.as_rotvec().tolist(), "angle_deg": np.degrees(TURN.magnitude())}},
-    {"axes": {"x": COLUMNS["x"], "z": COLUMNS["z"]}},
-    {"axes": {"z": COLUMNS["z"], "y": COLUMNS["y"]}},
-    {"axes": {"y": COLUMNS["y"], "x": COLUMNS["x"]}},
-    {"axes": {"x": COLUMNS["x"], "y": np.add(COLUMNS["y"], 3 * np.array(COLUMNS["x"])).tolist()}},
-])
+@pytest.mark.parametrize(
+    "written",
+    [
+        {"euler_parameters": TURN.as_quat().tolist()},
+        {"euler_parameters": (1.0005 * TURN.as_quat()).tolist()},
+        {"zyx_rad": [0.3, -0.4, 0.5]},
+        {"zyx_deg": np.degrees([0.3, -0.4, 0.5]).tolist()},
+        {"axis_angle": {"axis": TURN.as_rotvec().tolist(), "angle_rad": TURN.magnitude()}},
+        {"axis_angle": {"axis": TURN.as_rotvec().tolist(), "angle_deg": np.degrees(TURN.magnitude())}},
+        {"axes": {"x": COLUMNS["x"], "z": COLUMNS["z"]}},
+        {"axes": {"z": COLUMNS["z"], "y": COLUMNS["y"]}},
+        {"axes": {"y": COLUMNS["y"], "x": COLUMNS["x"]}},
+        {"axes": {"x": COLUMNS["x"], "y": np.add(COLUMNS["y"], 3 * np.array(COLUMNS["x"])).tolist()}},
+    ],
+)
 def test_five_ways_to_write_an_orientation(written):
     _, A = Marker(**written).pose()
     assert_allclose(A, TURN.as_matrix(), atol=1e-12)
@@ -229,6 +234,7 @@ def test_the_first_named_axis_is_kept():
 
 
 # mass properties
+
 
 def quadrature(inside, half, n=120):
     """Mass, centre and inertia about it of a shape of unit density within a box, by midpoints."""
@@ -291,10 +297,12 @@ def test_composite_against_quadrature():
         in_box = np.all(np.abs(local) < size / 2, axis=1)
         return in_box | (np.linalg.norm(points - centre, axis=1) < radius)
 
-    body = Body(solid=[
-        {"sphere": {"radius": radius, "density": 1}, "position": centre},
-        {"box": {"size": size, "density": 1}, "position": place, "zyx_rad": [0.4, 0.3, -0.2]},
-    ])
+    body = Body(
+        solid=[
+            {"sphere": {"radius": radius, "density": 1}, "position": centre},
+            {"box": {"size": size, "density": 1}, "position": place, "zyx_rad": [0.4, 0.3, -0.2]},
+        ]
+    )
     for found, expected in zip(body.mass_properties(), quadrature(inside, [1.1, 0.8, 0.9])):
         assert_allclose(found, expected, rtol=5e-3, atol=5e-4)
 
@@ -321,19 +329,25 @@ def test_points_lines_and_rounded_plates_are_bodies(inertia):
 
 # names
 
-@pytest.mark.parametrize("text, name", [
-    ("blade_1", "blade_1"),
-    ("blade 1", "'blade 1'"),
-    ("1st", "'1st'"),
-    ("crane's \"hook\"", r"'crane\'s \"hook\"'"),
-    ("a\\b", r"'a\\b'"),
-    ("Flügel", "Flugel"),
-    ("α-arm", "'(U+03B1)-arm'"),
-])
+
+@pytest.mark.parametrize(
+    "text, name",
+    [
+        ("blade_1", "blade_1"),
+        ("blade 1", "'blade 1'"),
+        ("1st", "'1st'"),
+        ('crane\'s "hook"', r"'crane\'s \"hook\"'"),
+        ("a\\b", r"'a\\b'"),
+        ("Flügel", "Flugel"),
+        ("α-arm", "'(U+03B1)-arm'"),
+    ],
+)
 def test_fmi_names(text, name):
     # the grammar of the structured naming convention, one part of a name
-    grammar = (r"[A-Za-z_][A-Za-z_0-9]*|"
-               r"'([A-Za-z_0-9!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['\"?\\abfnrtv])+'")
+    grammar = (
+        r"[A-Za-z_][A-Za-z_0-9]*|"
+        r"'([A-Za-z_0-9!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['\"?\\abfnrtv])+'"
+    )
     assert fmi_name(text) == name
     assert re.fullmatch(grammar, name)
 
@@ -349,6 +363,7 @@ def test_names_are_free_text_and_stripped():
 
 
 # writing, and scenes made in Python
+
 
 def test_written_scene_reads_as_the_same(arm, tmp_path):
     path = tmp_path / "copy.toml"
@@ -384,8 +399,11 @@ def test_parts_made_in_python_raise_scene_errors():
     with pytest.raises(SceneError, match="mass: must not be negative"):
         Body(mass=-1, inertia=[0, 0, 0])
     with pytest.raises(SceneError, match=r'\[joint.j\] between: no body "b"'):
-        Scene(name="x", body={"a": Body(mass=1, inertia=[0, 0, 0])},
-              joint={"j": Revolute(revolute={}, between=["ground", "b"])})
+        Scene(
+            name="x",
+            body={"a": Body(mass=1, inertia=[0, 0, 0])},
+            joint={"j": Revolute(revolute={}, between=["ground", "b"])},
+        )
 
 
 def test_loops_are_allowed():
@@ -397,7 +415,11 @@ def test_loops_are_allowed():
 
 def test_written_scenes_keep_the_order_of_markers():
     """One that is too long for a line comes as a table, and those after it too: variables are in the order of the file."""
-    long = {"position": [1 / 3, 2 / 3, 1 / 7], "euler_parameters": [0.5, 0.5, 0.5, 0.5], "output": ["position", "velocity", "omega"]}
+    long = {
+        "position": [1 / 3, 2 / 3, 1 / 7],
+        "euler_parameters": [0.5, 0.5, 0.5, 0.5],
+        "output": ["position", "velocity", "omega"],
+    }
     markers = {"c": {"output": ["position"]}, "b": long, "a": {"output": ["omega"]}, "e": {}, "d": long}
     scene = scene_of(
         body={"body": {"mass": 1, "inertia": [1, 1, 1], "marker": markers}},

@@ -21,23 +21,47 @@ pytestmark = pytest.mark.filterwarnings("error")
 
 # damage to values and keys
 
+
 class Raw(str):
     """A value already written as TOML."""
 
 
 WRONG_VALUES = {
-    "text": "nonsense", "empty text": "", "blank text": "  ", "number in quotes": "2.0",
-    "unit": "2 kg", "control character": "a\x01b", "long text": "x" * 10_000,
-    "zero": 0, "minus one": -1, "minus tiny": -1e-300, "tiny": 1e-300, "huge": 1e300,
-    "huge whole": Raw("1" + 400 * "0"), "huge hex": Raw("0x" + 5000 * "f"),
-    "nan": np.nan, "inf": np.inf, "minus inf": -np.inf, "true": True,
-    "date": Raw("2024-02-29"), "time": Raw("07:32:00"),
-    "empty list": [], "list of a list": [[]], "list of text": ["a"], "numbers": [1, 2, 3, 4, 5],
-    "nans": [np.nan] * 3, "huge numbers": [1e300] * 3, "zeros": [0, 0, 0],
+    "text": "nonsense",
+    "empty text": "",
+    "blank text": "  ",
+    "number in quotes": "2.0",
+    "unit": "2 kg",
+    "control character": "a\x01b",
+    "long text": "x" * 10_000,
+    "zero": 0,
+    "minus one": -1,
+    "minus tiny": -1e-300,
+    "tiny": 1e-300,
+    "huge": 1e300,
+    "huge whole": Raw("1" + 400 * "0"),
+    "huge hex": Raw("0x" + 5000 * "f"),
+    "nan": np.nan,
+    "inf": np.inf,
+    "minus inf": -np.inf,
+    "true": True,
+    "date": Raw("2024-02-29"),
+    "time": Raw("07:32:00"),
+    "empty list": [],
+    "list of a list": [[]],
+    "list of text": ["a"],
+    "numbers": [1, 2, 3, 4, 5],
+    "nans": [np.nan] * 3,
+    "huge numbers": [1e300] * 3,
+    "zeros": [0, 0, 0],
     "mixed": [1, "a", []],
-    "matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "ragged": [[1, 2, 3], [4, 5], [6]],
-    "empty table": {}, "strange table": {"strange": 1}, "tables": [{}, {}],
-    "deep list": Raw("[" * 60 + "]" * 60), "deep table": Raw("{a=" * 60 + "1" + "}" * 60),
+    "matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "ragged": [[1, 2, 3], [4, 5], [6]],
+    "empty table": {},
+    "strange table": {"strange": 1},
+    "tables": [{}, {}],
+    "deep list": Raw("[" * 60 + "]" * 60),
+    "deep table": Raw("{a=" * 60 + "1" + "}" * 60),
 }
 
 
@@ -51,9 +75,11 @@ def toml(value):
     if isinstance(value, list):
         return "[" + ", ".join(map(toml, value)) + "]"
     if isinstance(value, str):
-        return '"' + "".join(
-            c if c.isprintable() and c not in '"\\' else f"\\U{ord(c):08x}" for c in value
-        ) + '"'
+        return (
+            '"'
+            + "".join(c if c.isprintable() and c not in '"\\' else f"\\U{ord(c):08x}" for c in value)
+            + '"'
+        )
     return repr(value)
 
 
@@ -89,6 +115,7 @@ def damage(tables, path, change):
 def put(value):
     def change(holder, key):
         holder[key] = value
+
     return change
 
 
@@ -119,9 +146,16 @@ def structural_changes(holder, key, value):
         yield "half dotted text", put(value + ".")
     if isinstance(holder, dict):
         for what, new in {
-            "letter lost": key[1:], "letter twice": key[0] + key, "letters swapped": key[::-1],
-            "upper": key.upper(), "plural": key + "s", "empty": "", "with a dot": "a." + key,
-            "with a unit": key + "_m", "ground": "ground", "control": key + "\x00",
+            "letter lost": key[1:],
+            "letter twice": key[0] + key,
+            "letters swapped": key[::-1],
+            "upper": key.upper(),
+            "plural": key + "s",
+            "empty": "",
+            "with a dot": "a." + key,
+            "with a unit": key + "_m",
+            "ground": "ground",
+            "control": key + "\x00",
         }.items():
             if new != key and new not in holder:
                 yield f"key {what}", lambda h, k, new=new: rename(h, k, new)
@@ -138,9 +172,9 @@ def changes():
             value = holder[path[-1]]
 
             # some of them at each place, in turns
-            for what, wrong in list(WRONG_VALUES.items())[i % 5::5]:
+            for what, wrong in list(WRONG_VALUES.items())[i % 5 :: 5]:
                 yield name, tables, path, what, put(wrong)
-            for what, change in list(structural_changes(holder, path[-1], value))[i % 4::4]:
+            for what, change in list(structural_changes(holder, path[-1], value))[i % 4 :: 4]:
                 yield name, tables, path, what, change
 
 
@@ -165,16 +199,17 @@ def test_damaged_values_and_keys():
 
 # damage to text and bytes
 
+
 def text_damages(text):
     lines = text.splitlines(keepends=True)
     for end in range(0, len(text), 13):
         yield f"cut off at {end}", text[:end]
     for i, line in enumerate(lines):
-        rest = "".join(lines[:i]), "".join(lines[i + 1:])
+        rest = "".join(lines[:i]), "".join(lines[i + 1 :])
         yield f"line {i} lost", "".join(rest)
         yield f"line {i} twice", rest[0] + line + line + rest[1]
         slips = [("=", ""), ("[", ""), ('"', ""), ("]", "}"), (".", ","), (",", "")]
-        for old, new in slips[i % 2::2]:
+        for old, new in slips[i % 2 :: 2]:
             yield f"{old} made {new} in line {i}", rest[0] + line.replace(old, new) + rest[1]
         yield f"line {i} moved up", line + "".join(rest)
     for junk in ("\x00", "\x7f", "\ufeff", "“", "]", "}", '"', "'''", "= =", "[[body]]\n"):
@@ -188,13 +223,31 @@ def test_damaged_text(name):
         outcome(text)
 
 
-@pytest.mark.parametrize("content", [
-    b"", b"\n\n", b"\x00" * 1000, bytes(range(256)), b"\x89PNG\r\n\x1a\n", b"PK\x03\x04",
-    b"\xff\xfe", ARM.encode("utf-16"), ARM.replace("arm", "ärm").encode("latin-1"),
-    b"name = '\xed\xa0\x80'", b"a=1\n\x0b\n\x1c", b"a=" + b"[" * 100_000,
-    b"a=" + b"{a=" * 100_000, b"[" + b"a." * 5000 + b"a]", b"a." * 3000 + b"a=1",
-    b"x=" + b"9" * 5000, b'{"name": "arm"}', b"<scene/>", b"name: arm\n",
-], ids=lambda content: repr(content[:12]))
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\n\n",
+        b"\x00" * 1000,
+        bytes(range(256)),
+        b"\x89PNG\r\n\x1a\n",
+        b"PK\x03\x04",
+        b"\xff\xfe",
+        ARM.encode("utf-16"),
+        ARM.replace("arm", "ärm").encode("latin-1"),
+        b"name = '\xed\xa0\x80'",
+        b"a=1\n\x0b\n\x1c",
+        b"a=" + b"[" * 100_000,
+        b"a=" + b"{a=" * 100_000,
+        b"[" + b"a." * 5000 + b"a]",
+        b"a." * 3000 + b"a=1",
+        b"x=" + b"9" * 5000,
+        b'{"name": "arm"}',
+        b"<scene/>",
+        b"name: arm\n",
+    ],
+    ids=lambda content: repr(content[:12]),
+)
 def test_files_that_are_no_scene(content):
     assert outcome(content) is not None
 
@@ -206,14 +259,18 @@ def test_windows_text_is_no_damage():
 # damage at random
 
 RANDOM = settings(
-    max_examples=150, deadline=None, derandomize=True,
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
     suppress_health_check=[HealthCheck.too_slow],
 )
 NAMES = st.sampled_from("mass inertia solid marker position output axis x start free name".split())
 ANYTHING = st.recursive(
     st.integers() | st.floats() | st.booleans() | st.text(st.characters(codec="utf-8"), max_size=8),
-    lambda inner: st.lists(inner, max_size=6)
-    | st.dictionaries(NAMES | st.text(st.characters(codec="utf-8"), max_size=5), inner, max_size=4),
+    lambda inner: (
+        st.lists(inner, max_size=6)
+        | st.dictionaries(NAMES | st.text(st.characters(codec="utf-8"), max_size=5), inner, max_size=4)
+    ),
     max_leaves=12,
 )
 
@@ -237,7 +294,7 @@ def test_bytes_changed_at_random(text, data):
     for _ in range(data.draw(st.integers(1, 4))):
         start = data.draw(st.integers(0, len(content) - 1))
         length = data.draw(st.integers(0, 30))
-        content[start:start + length] = data.draw(st.binary(max_size=12))
+        content[start : start + length] = data.draw(st.binary(max_size=12))
         if not content:
             break
     outcome(bytes(content))

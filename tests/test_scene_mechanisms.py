@@ -27,15 +27,29 @@ def joint_of(**keys):
 
 # joints
 
-@pytest.mark.parametrize("kind, options, start, q, v", [
-    ("cylindrical", {}, {"position": 1, "speed": 2, "angle_deg": 180, "angular_speed_rpm": 60},
-     [1, np.pi], [2, 2 * np.pi]),
-    ("universal", {}, {"angles_deg": [90, 180], "speeds": [1, 2]}, [np.pi / 2, np.pi], [1, 2]),
-    ("planar", {}, {"position": [1, 2], "angle": 3, "velocity": [4, 5], "angular_speed_deg": 180},
-     [1, 2, 3], [4, 5, np.pi]),
-    ("translation", {}, {"position": [1, 2, 3], "velocity": [4, 5, 6]}, [1, 2, 3], [4, 5, 6]),
-    ("screw", {"pitch": 0.1}, {"angle_deg": 90, "angular_speed_rpm": 30}, [np.pi / 2], [np.pi]),
-])
+
+@pytest.mark.parametrize(
+    "kind, options, start, q, v",
+    [
+        (
+            "cylindrical",
+            {},
+            {"position": 1, "speed": 2, "angle_deg": 180, "angular_speed_rpm": 60},
+            [1, np.pi],
+            [2, 2 * np.pi],
+        ),
+        ("universal", {}, {"angles_deg": [90, 180], "speeds": [1, 2]}, [np.pi / 2, np.pi], [1, 2]),
+        (
+            "planar",
+            {},
+            {"position": [1, 2], "angle": 3, "velocity": [4, 5], "angular_speed_deg": 180},
+            [1, 2, 3],
+            [4, 5, np.pi],
+        ),
+        ("translation", {}, {"position": [1, 2, 3], "velocity": [4, 5, 6]}, [1, 2, 3], [4, 5, 6]),
+        ("screw", {"pitch": 0.1}, {"angle_deg": 90, "angular_speed_rpm": 30}, [np.pi / 2], [np.pi]),
+    ],
+)
 def test_starts(kind, options, start, q, v):
     joint = joint_of(**{kind: options}, start=start)
     assert joint.kind == kind
@@ -51,19 +65,30 @@ def test_starts(kind, options, start, q, v):
     assert not (joint.start_given or joint.holds_position or joint.holds_velocity)
 
 
-@pytest.mark.parametrize("start, position, velocity", [
-    ({"angle": 0}, True, False), ({"speed_rpm": 0}, False, True), ({}, False, False),
-])
+@pytest.mark.parametrize(
+    "start, position, velocity",
+    [
+        ({"angle": 0}, True, False),
+        ({"speed_rpm": 0}, False, True),
+        ({}, False, False),
+    ],
+)
 def test_what_a_start_holds(start, position, velocity):
     joint = joint_of(revolute={}, start=start)
     assert (joint.holds_position, joint.holds_velocity) == (position, velocity)
 
 
-@pytest.mark.parametrize("kind, options", [
-    ("point_on_plane", {"normal": [0, 0, 2]}), ("point_on_line", {}), ("distance", {}),
-    ("rolling_sphere", {"radius": 1}), ("rolling_disk", {"radius": 1}),
-    ("knife_edge", {"lateral": "z"}),
-])
+@pytest.mark.parametrize(
+    "kind, options",
+    [
+        ("point_on_plane", {"normal": [0, 0, 2]}),
+        ("point_on_line", {}),
+        ("distance", {}),
+        ("rolling_sphere", {"radius": 1}),
+        ("rolling_disk", {"radius": 1}),
+        ("knife_edge", {"lateral": "z"}),
+    ],
+)
 def test_joints_that_only_constrain(kind, options):
     joint = joint_of(**{kind: options}, output=["reaction_force", "reaction_moment"])
     assert joint.kind == kind
@@ -74,18 +99,24 @@ def test_joints_that_only_constrain(kind, options):
 
 def test_axes_and_lengths():
     assert_allclose(joint_of(knife_edge={}).axis, [0, 1, 0])
-    assert_allclose(joint_of(universal={"axes": ["-z", [1, 1, 0]]}).axes,
-                    [[0, 0, -1], [np.sqrt(0.5), np.sqrt(0.5), 0]])
+    assert_allclose(
+        joint_of(universal={"axes": ["-z", [1, 1, 0]]}).axes, [[0, 0, -1], [np.sqrt(0.5), np.sqrt(0.5), 0]]
+    )
     assert joint_of(distance={}).length is None
     assert joint_of(distance={"length": 2}).length == 2
     assert joint_of(screw={"pitch": -0.1}).pitch == -0.1
     assert joint_of(rolling_sphere={"radius": 3}).radius == 3
 
 
-@pytest.mark.parametrize("normal, x, y", [
-    ("z", [1, 0, 0], [0, 1, 0]), ("y", [1, 0, 0], [0, 0, -1]), ("x", [0, 1, 0], [0, 0, 1]),
-    ([1, 0, 1], [np.sqrt(0.5), 0, -np.sqrt(0.5)], [0, 1, 0]),
-])
+@pytest.mark.parametrize(
+    "normal, x, y",
+    [
+        ("z", [1, 0, 0], [0, 1, 0]),
+        ("y", [1, 0, 0], [0, 0, -1]),
+        ("x", [0, 1, 0], [0, 0, 1]),
+        ([1, 0, 1], [np.sqrt(0.5), 0, -np.sqrt(0.5)], [0, 1, 0]),
+    ],
+)
 def test_axes_of_a_plane(normal, x, y):
     A = joint_of(planar={"normal": normal}).axes
     assert_allclose(A[:, 0], x, atol=1e-15)
@@ -109,9 +140,13 @@ def test_inertial_frame_is_an_end():
 
 # what acts in joints
 
+
 def test_tables_in_si():
-    joint = joint_of(revolute={}, spring={"table": {"position_deg": [-180, 90], "effort": [-1, 2]}},
-                     damper={"table": {"speed": [0, 1], "effort": [0, 3]}})
+    joint = joint_of(
+        revolute={},
+        spring={"table": {"position_deg": [-180, 90], "effort": [-1, 2]}},
+        damper={"table": {"speed": [0, 1], "effort": [0, 3]}},
+    )
     angle, effort = joint.spring.table.points()
     assert_allclose(angle, [-np.pi, np.pi / 2])
     assert_allclose(effort, [-1, 2])
@@ -120,8 +155,9 @@ def test_tables_in_si():
 
 
 def test_friction_and_stops():
-    joint = joint_of(revolute={}, friction={"coulomb": 2},
-                     stop={"upper_deg": 90, "stiffness": 5, "damping": 1})
+    joint = joint_of(
+        revolute={}, friction={"coulomb": 2}, stop={"upper_deg": 90, "stiffness": 5, "damping": 1}
+    )
     friction, stop = joint.friction, joint.stop
     assert (friction.coulomb, friction.static, friction.viscous) == (2, 2, 0)
     assert (friction.stribeck_speed, friction.smoothing_speed) == (0.1, 3.7e-7)
@@ -151,17 +187,22 @@ def test_drivers_in_si():
     assert_allclose(joint.start_position(), [1])
 
 
-@pytest.mark.parametrize("kind, options, ratio, offset", [
-    ("gear", {"ratio": -2, "offset_deg": 180}, -2, np.pi),
-    ("rack", {"radius": 0.3}, 0.3, None),
-    ("screw", {"pitch": np.pi, "offset": 0.1}, 0.5, 0.1),
-    ("linear", {"ratio": 7}, 7, None),
-])
+@pytest.mark.parametrize(
+    "kind, options, ratio, offset",
+    [
+        ("gear", {"ratio": -2, "offset_deg": 180}, -2, np.pi),
+        ("rack", {"radius": 0.3}, 0.3, None),
+        ("screw", {"pitch": np.pi, "offset": 0.1}, 0.5, 0.1),
+        ("linear", {"ratio": 7}, 7, None),
+    ],
+)
 def test_couplings(kind, options, ratio, offset):
     slide = "revolute" if kind == "gear" else "prismatic"
     scene = scene_of(
-        joint={"p": {"revolute": {}, "between": ["ground", "a"]},
-               "q": {slide: {}, "between": ["ground", "b"]}},
+        joint={
+            "p": {"revolute": {}, "between": ["ground", "a"]},
+            "q": {slide: {}, "between": ["ground", "b"]},
+        },
         coupling={"c": {kind: options, "between": ["p", "q"]}},
     )
     coupling = scene.coupling["c"]
@@ -175,6 +216,7 @@ def test_couplings(kind, options, ratio, offset):
 
 # motion of the ground, gravity
 
+
 def motion_of(**motion):
     return scene_of(ground={"motion": motion}).ground.motion
 
@@ -183,8 +225,7 @@ def test_motions_of_the_ground():
     assert scene_of().ground.motion is None
 
     motion = motion_of(acceleration=[1, 2, 3], velocity=[4, 5, 6])
-    assert (motion.kind, motion.acceleration, motion.velocity) == (
-        "acceleration", (1, 2, 3), (4, 5, 6))
+    assert (motion.kind, motion.acceleration, motion.velocity) == ("acceleration", (1, 2, 3), (4, 5, 6))
     assert motion.position == (0, 0, 0)
 
     motion = motion_of(rotation={"axis": [0, 3, 4], "speed_rpm": 30, "angle_deg": 90})
@@ -215,8 +256,9 @@ def test_motion_by_table():
     assert_allclose(E, np.column_stack([zero, zero, np.sin(half), np.cos(half)]), atol=1e-15)
 
     quarter = [[0, 0, 0, 1], [0, 0, -np.sqrt(0.5), -np.sqrt(0.5)]]
-    motion = motion_of(table={"time": [0, 1], "euler_parameters": quarter,
-                              "position": [[1, 2, 3], [4, 5, 6]]})
+    motion = motion_of(
+        table={"time": [0, 1], "euler_parameters": quarter, "position": [[1, 2, 3], [4, 5, 6]]}
+    )
     _, position, E = motion.table.points()
     assert_allclose(position, [[1, 2, 3], [4, 5, 6]])
     assert_allclose(E[1], [0, 0, np.sqrt(0.5), np.sqrt(0.5)])
@@ -232,15 +274,20 @@ def test_central_gravity_replaces_the_uniform_one():
 
 # forces, loads, measures
 
+
 def force_of(**keys):
     return scene_of(force={"f": keys}).force["f"]
 
 
 def test_strut_with_tables_and_actuator():
     force = force_of(
-        spring_damper={"table": {"length": [1, 2], "force": [0, 3]},
-                       "damping": {"table": {"speed": [-1, 1], "force": [-5, 4]}}},
-        between=["a", "b"], input="force", output=["rate"],
+        spring_damper={
+            "table": {"length": [1, 2], "force": [0, 3]},
+            "damping": {"table": {"speed": [-1, 1], "force": [-5, 4]}},
+        },
+        between=["a", "b"],
+        input="force",
+        output=["rate"],
     )
     assert (force.kind, force.input, force.output) == ("spring_damper", ["force"], ["rate"])
     assert force.spring_damper.stiffness is None
@@ -250,8 +297,7 @@ def test_strut_with_tables_and_actuator():
 
 def test_bushing_by_diagonal_or_matrix():
     stiffness = np.arange(36.0).reshape(6, 6)
-    force = force_of(bushing={"stiffness": stiffness, "damping": [1, 2, 3, 4, 5, 6]},
-                     between=["a", "b"])
+    force = force_of(bushing={"stiffness": stiffness, "damping": [1, 2, 3, 4, 5, 6]}, between=["a", "b"])
     assert (force.kind, force.input, force.output) == ("bushing", (), ())
     assert_allclose(force.bushing.stiffness_matrix(), stiffness)
     assert_allclose(force.bushing.damping_matrix(), np.diag([1, 2, 3, 4, 5, 6]))
@@ -284,17 +330,21 @@ def test_measures_may_be_between_the_frames():
 
 # curves, surfaces, contacts
 
+
 def marker_of(**keys):
     scene = scene_of(ground={"marker": {"m": keys}})
     return scene.marker("ground.m")
 
 
-@pytest.mark.parametrize("curve, parameters", [
-    ({"line": {}}, {}),
-    ({"circle": {"radius": 2}}, {"radius": 2}),
-    ({"parabola": {"coefficient": -3}}, {"coefficient": -3}),
-    ({"cycloid": {"radius": 4}}, {"radius": 4}),
-])
+@pytest.mark.parametrize(
+    "curve, parameters",
+    [
+        ({"line": {}}, {}),
+        ({"circle": {"radius": 2}}, {"radius": 2}),
+        ({"parabola": {"coefficient": -3}}, {"coefficient": -3}),
+        ({"cycloid": {"radius": 4}}, {"radius": 4}),
+    ],
+)
 def test_curves(curve, parameters):
     found = marker_of(curve=curve).curve
     assert [found.kind] == list(curve)
@@ -321,12 +371,15 @@ def test_curves_through_points():
     assert_allclose(curve.s, [1, 2])
 
 
-@pytest.mark.parametrize("surface, parameters", [
-    ({"plane": {}}, {}),
-    ({"sphere": {"radius": 2}}, {"radius": 2}),
-    ({"cylinder": {"radius": 3}}, {"radius": 3}),
-    ({"torus": {"radius": 4, "tube": 1}}, {"radius": 4, "tube": 1}),
-])
+@pytest.mark.parametrize(
+    "surface, parameters",
+    [
+        ({"plane": {}}, {}),
+        ({"sphere": {"radius": 2}}, {"radius": 2}),
+        ({"cylinder": {"radius": 3}}, {"radius": 3}),
+        ({"torus": {"radius": 4, "tube": 1}}, {"radius": 4, "tube": 1}),
+    ],
+)
 def test_surfaces(surface, parameters):
     found = marker_of(surface=surface).surface
     assert [found.kind] == list(surface)
@@ -347,14 +400,17 @@ def test_prisms_and_tables():
     assert_allclose(surface.s2, [0, 1, 2, 3, 4])
 
 
-@pytest.mark.parametrize("kind, start_s", [
-    ("point_on_curve", [0.5]), ("curve_on_curve", [0.5, 1]), ("point_on_surface", [0.5, 1]),
-])
+@pytest.mark.parametrize(
+    "kind, start_s",
+    [
+        ("point_on_curve", [0.5]),
+        ("curve_on_curve", [0.5, 1]),
+        ("point_on_surface", [0.5, 1]),
+    ],
+)
 def test_contacts(kind, start_s):
     shape = {"curve": {"circle": {"radius": 1}}, "surface": {"plane": {}}}
-    bodies = {
-        name: {"mass": 1, "inertia": [1, 1, 1], "marker": {"m": shape}} for name in "ab"
-    }
+    bodies = {name: {"mass": 1, "inertia": [1, 1, 1], "marker": {"m": shape}} for name in "ab"}
 
     def contact(**keys):
         joint = {kind: {}, "between": ["a.m", "b.m"], **keys}

@@ -52,7 +52,12 @@ def mechanism(formulation, integrator="rk853"):
             },
             "top": {"revolute": {}, "between": ["coupler.end", "rocker.end"], "output": ["reaction_force"]},
             "carry": {"translation": {}, "between": ["ground", "bead"]},
-            "wire": {"point_on_curve": {}, "between": ["rocker.ring", "bead"], "start": {"s": 0.1}, "output": ["s"]},
+            "wire": {
+                "point_on_curve": {},
+                "between": ["rocker.ring", "bead"],
+                "start": {"s": 0.1},
+                "output": ["s"],
+            },
         },
         output=["total_energy"],
     )
@@ -84,7 +89,9 @@ def test_a_fresh_instance_goes_on_where_another_was(formulation, tmp_path):
 @pytest.mark.parametrize("integrator", ["auto", "radau", "rk54"])
 def test_what_a_stepper_remembers_goes_along(integrator, tmp_path):
     """Continuous extension, Jacobian, step sizes: back and forth in one instance, and on in another, to the bit."""
-    library = Library(mechanism("recursive", integrator).export(tmp_path / "mechanism.fmu"), tmp_path / "mechanism")
+    library = Library(
+        mechanism("recursive", integrator).export(tmp_path / "mechanism.fmu"), tmp_path / "mechanism"
+    )
     first, second = (Instance(library).start() for _ in range(2))
     t, results = 0.0, []
 
@@ -129,7 +136,7 @@ def test_the_log_tells_that_a_motion_is_stiff(tmp_path):
     assert door.message.endswith("the motion is stiff: the implicit method goes on from here")
     assert door.step(3.0, 3.0) == OK
     assert len(door.log) == 1
-    assert door.value("hinge.angle") == pytest.approx(2.718281828 ** -6, rel=1e-4)
+    assert door.value("hinge.angle") == pytest.approx(2.718281828**-6, rel=1e-4)
     door.free()
 
 
@@ -147,7 +154,9 @@ def test_a_fresh_work_buffer_goes_on_to_the_same_bits(name, formulation, solver)
         other = InProcess(model)
         other.d.work_buffer[:] = 0.0
 
-        for mine, kept in zip((other.d.state_buffer, other.u, other.reals), (run.d.state_buffer, run.u, run.reals)):
+        for mine, kept in zip(
+            (other.d.state_buffer, other.u, other.reals), (run.d.state_buffer, run.u, run.reals)
+        ):
             mine[:] = kept
 
         run.step(H)

@@ -29,7 +29,11 @@ def start(scene, formulation="recursive", parameters=None, time=0.0):
 
 
 def scene_of(scene, formulation="recursive"):
-    return Scene(**{"name": "start", "gravity": [0, 0, 0]} | scene | {"solver": {"formulation": formulation} | scene.get("solver", {})})
+    return Scene(
+        **{"name": "start", "gravity": [0, 0, 0]}
+        | scene
+        | {"solver": {"formulation": formulation} | scene.get("solver", {})}
+    )
 
 
 def named(instance):
@@ -53,7 +57,12 @@ def wheels(starts, couplings, drivers=()):
 def bar(length, mass=1.0):
     """A bar from its frame along x, a marker at its end."""
     inertia = [0.01 * mass, mass * length**2 / 12, mass * length**2 / 12]
-    return {"mass": mass, "com": [length / 2, 0, 0], "inertia": inertia, "marker": {"end": {"position": [length, 0, 0]}}}
+    return {
+        "mass": mass,
+        "com": [length / 2, 0, 0],
+        "inertia": inertia,
+        "marker": {"end": {"position": [length, 0, 0]}},
+    }
 
 
 # couplings
@@ -82,7 +91,8 @@ def test_the_start_of_any_joint_of_a_loop_is_kept(formulation, joint, angle):
     places = {"a": ["ground", "crank"], "b": ["crank.end", "coupler"], "c": ["coupler.end", "rocker"]}
     places["d"] = ["rocker.end", "ground.far"]
     joints = {
-        name: {"revolute": {}, "between": ends, "output": ["angle", "speed"], "damper": 0.1} for name, ends in places.items()
+        name: {"revolute": {}, "between": ends, "output": ["angle", "speed"], "damper": 0.1}
+        for name, ends in places.items()
     }
     joints[joint]["start"] = {"angle_deg": angle, "speed": 0.3}
     instance, found = start(
@@ -107,7 +117,11 @@ def test_a_free_joints_start_is_kept_beside_a_hinge(formulation):
     turned = {"axis_angle": {"axis": "z", "angle_deg": 150}}
     joints = {
         "hinge": {"revolute": {}, "between": ["ground", "b.eye"], "output": ["angle"]},
-        "seen": {"free": {}, "between": ["ground", "b"], "start": {"position": [-0.4 * cos(5 * pi / 6), -0.2, 0]} | turned},
+        "seen": {
+            "free": {},
+            "between": ["ground", "b"],
+            "start": {"position": [-0.4 * cos(5 * pi / 6), -0.2, 0]} | turned,
+        },
     }
     instance, found = start({"body": {"b": body}, "joint": joints}, formulation)
     assert instance.notices == []
@@ -146,7 +160,9 @@ def test_a_coupling_without_offset_keeps_a_start_beside_a_driver(driver, at, tim
     assert y["b.speed"] == pytest.approx(-0.5 * y["a.speed"], abs=1e-9)
     instance.step(0.3)
     later = named(instance)
-    assert later["b.angle"] - y["b.angle"] == pytest.approx(-0.5 * (later["a.angle"] - y["a.angle"]), abs=1e-9)
+    assert later["b.angle"] - y["b.angle"] == pytest.approx(
+        -0.5 * (later["a.angle"] - y["a.angle"]), abs=1e-9
+    )
 
 
 def test_a_coupling_without_offset_keeps_starts_that_parameters_change():
@@ -159,7 +175,11 @@ def test_a_coupling_without_offset_keeps_starts_that_parameters_change():
 @formulations
 def test_a_driver_beyond_the_coupled_start_is_told(formulation):
     """With an offset the driver decides: the start given is moved, and told."""
-    scene = wheels({"a": None, "b": {"angle_deg": -45, "speed_rpm": 3}}, {("a", "b"): {"ratio": -0.5, "offset": 0.0}}, {"a": HARMONIC})
+    scene = wheels(
+        {"a": None, "b": {"angle_deg": -45, "speed_rpm": 3}},
+        {("a", "b"): {"ratio": -0.5, "offset": 0.0}},
+        {"a": HARMONIC},
+    )
     instance, y = start(scene, formulation)
     right = -0.5 * (90 + 10 * sin(radians(40)))
     assert y["b.angle"] == pytest.approx(radians(right), abs=1e-12)
@@ -173,11 +193,25 @@ def test_a_driver_beyond_the_coupled_start_is_told(formulation):
 def test_lengths_of_the_start_are_those_beside_a_driver(formulation):
     """A rod and a spring without length, from the ground to a driven arm: the rod's way is none, the spring is slack."""
     arm = {"revolute": {}, "between": ["ground", "arm"], "driver": HARMONIC, "output": ["angle"]}
-    bob = {"prismatic": {"axis": "x"}, "between": ["ground", "bob"], "output": ["position"], "start": {"position": 3.0}}
+    bob = {
+        "prismatic": {"axis": "x"},
+        "between": ["ground", "bob"],
+        "output": ["position"],
+        "start": {"position": 3.0},
+    }
     rod = {"distance": {}, "between": ["arm.end", "bob"]}
-    spring = {"spring_damper": {"stiffness": 10.0}, "between": ["ground.post", "arm.end"], "output": ["force"]}
+    spring = {
+        "spring_damper": {"stiffness": 10.0},
+        "between": ["ground.post", "arm.end"],
+        "output": ["force"],
+    }
     ground = {"marker": {"post": {"position": [0, -1.0, 0]}}}
-    scene = {"ground": ground, "body": {"arm": bar(1.0), "bob": BLOCK}, "joint": {"arm": arm, "bob": bob, "rod": rod}, "force": {"s": spring}}
+    scene = {
+        "ground": ground,
+        "body": {"arm": bar(1.0), "bob": BLOCK},
+        "joint": {"arm": arm, "bob": bob, "rod": rod},
+        "force": {"s": spring},
+    }
     instance, y = start(scene, formulation)
     assert y["bob.position"] == pytest.approx(3.0, abs=1e-12)
     assert y["s.force"] == pytest.approx(0.0, abs=1e-11)
@@ -193,9 +227,19 @@ def disk(lean, **begin):
     axis = {"axis_angle": {"axis": "x", "angle_rad": lean}}
     return {
         "gravity": [0, 0, -9.81],
-        "body": {"disk": {"mass": 1.0, "inertia": [0.02, 0.04, 0.02], "output": ["position", "velocity", "omega", "omega_body"]}},
+        "body": {
+            "disk": {
+                "mass": 1.0,
+                "inertia": [0.02, 0.04, 0.02],
+                "output": ["position", "velocity", "omega", "omega_body"],
+            }
+        },
         "joint": {
-            "free": {"free": {}, "between": ["ground", "disk"], "start": {"position": position} | axis | begin},
+            "free": {
+                "free": {},
+                "between": ["ground", "disk"],
+                "start": {"position": position} | axis | begin,
+            },
             "roll": {"rolling_disk": {"radius": 0.3, "axis": "y"}, "between": ["ground", "disk"]},
         },
         "output": ["constraint_rate", "total_energy"],
@@ -241,7 +285,10 @@ def test_parts_of_a_start_are_read_and_written():
     scene = scene_of(disk(0.0, velocity={"x": 1.0}, omega={"z": 2}))
     assert scene.joint["free"].start_velocity().tolist() == [1, 0, 0, 0, 0, 2]
     assert Scene.model_validate(scene.model_dump(exclude_unset=True)).joint["free"] == scene.joint["free"]
-    assert "velocity = { x = 1.0 }" in scene.to_toml().replace("\n", " ") or "velocity = {x = 1.0}" in scene.to_toml()
+    assert (
+        "velocity = { x = 1.0 }" in scene.to_toml().replace("\n", " ")
+        or "velocity = {x = 1.0}" in scene.to_toml()
+    )
 
     with pytest.raises(SceneError, match='no "w" here; there is "x", "y" and "z"'):
         scene_of(disk(0.0, velocity={"w": 1.0}))
@@ -254,8 +301,18 @@ def test_one_coordinate_of_a_joint_is_kept(formulation):
         "ground": {"marker": {"top": {"position": [0, 0, 2.0]}}},
         "body": {"nut": BLOCK, "rod": bar(1.0)},
         "joint": {
-            "guide": {"cylindrical": {}, "between": ["ground", "nut"], "start": {"angle": 0.3}, "output": ["position", "angle"]},
-            "swing": {"revolute": {"axis": "y"}, "between": ["ground.top", "rod"], "start": {"angle": 1.0}, "output": ["angle"]},
+            "guide": {
+                "cylindrical": {},
+                "between": ["ground", "nut"],
+                "start": {"angle": 0.3},
+                "output": ["position", "angle"],
+            },
+            "swing": {
+                "revolute": {"axis": "y"},
+                "between": ["ground.top", "rod"],
+                "start": {"angle": 1.0},
+                "output": ["angle"],
+            },
             "pin": {"point_on_plane": {}, "between": ["nut", "rod.end"]},
         },
     }
@@ -270,13 +327,27 @@ def test_one_coordinate_of_a_joint_is_kept(formulation):
 
 def slider_crank(r, length, crank, masses=(1.0, 1.0, 1.0), **starts):
     joint = {
-        "crank": {"revolute": {}, "between": ["ground", "crank"], "start": {"angle": crank}, "output": ["angle"]},
+        "crank": {
+            "revolute": {},
+            "between": ["ground", "crank"],
+            "start": {"angle": crank},
+            "output": ["angle"],
+        },
         "rod": {"revolute": {}, "between": ["crank.end", "rod"], "output": ["angle"]},
         "slide": {"prismatic": {"axis": "x"}, "between": ["ground", "block"], "output": ["position"]},
         "pin": {"revolute": {}, "between": ["rod.end", "block"]},
     }
-    body = {"crank": bar(r, masses[0]), "rod": bar(length, masses[1]), "block": {"mass": masses[2], "inertia": [0.01] * 3}}
-    return {"body": body, "joint": {name: spec | ({"start": starts[name]} if name in starts else {}) for name, spec in joint.items()}}
+    body = {
+        "crank": bar(r, masses[0]),
+        "rod": bar(length, masses[1]),
+        "block": {"mass": masses[2], "inertia": [0.01] * 3},
+    }
+    return {
+        "body": body,
+        "joint": {
+            name: spec | ({"start": starts[name]} if name in starts else {}) for name, spec in joint.items()
+        },
+    }
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -336,7 +407,9 @@ def test_what_rolls_below_its_plane_mirrors_what_rolls_above(kind, formulation):
             "omega": [side * w[0], side * w[1], w[2]],
         }
         scene = disk(0.0) | {"gravity": [0, 0, -9.81 * side]}
-        scene["body"]["disk"]["inertia"] = [0.03, 0.04, 0.02] if kind == "rolling_sphere" else [0.02, 0.04, 0.02]
+        scene["body"]["disk"]["inertia"] = (
+            [0.03, 0.04, 0.02] if kind == "rolling_sphere" else [0.02, 0.04, 0.02]
+        )
         scene["joint"]["free"]["start"] = begin
         options = {"radius": 0.3} | ({"axis": "y"} if kind == "rolling_disk" else {})
         scene["joint"]["roll"] = {kind: options, "between": ["ground", "disk"]}
@@ -353,7 +426,9 @@ def test_what_rolls_below_its_plane_mirrors_what_rolls_above(kind, formulation):
 
 
 def test_starts_that_are_moved_are_told_by_every_command(tmp_path, capsys):
-    scene = scene_of(wheels({"a": {"angle_deg": 30}, "b": {"angle_deg": 50}}, {("a", "b"): {"ratio": 2.0, "offset": 0.0}}))
+    scene = scene_of(
+        wheels({"a": {"angle_deg": 30}, "b": {"angle_deg": 50}}, {("a", "b"): {"ratio": 2.0, "offset": 0.0}})
+    )
     path = tmp_path / "gears.toml"
     path.write_text(scene.to_toml())
 
@@ -404,16 +479,30 @@ def test_hinges_that_lock_a_body_are_told(formulation):
     for axis, locked in (("x", False), ("y", True)):
         hinge = {"revolute": {"axis": axis}, "between": ["ground", "a"]}
         other = {"revolute": {"axis": axis}, "between": ["ground.two", "a.two"]}
-        instance, _ = start({"ground": ground, "body": body, "joint": {"one": hinge, "two": other, "free": free}}, formulation)
-        assert [n for n in instance.notices if "cannot move" in n] == ["a cannot move: its joints leave it 0 degrees of freedom"] * locked
+        instance, _ = start(
+            {"ground": ground, "body": body, "joint": {"one": hinge, "two": other, "free": free}}, formulation
+        )
+        assert [n for n in instance.notices if "cannot move" in n] == [
+            "a cannot move: its joints leave it 0 degrees of freedom"
+        ] * locked
 
 
 @formulations
 def test_a_loop_of_held_joints_moves_nothing_below_it(formulation):
     """Speeds of all joints in the loop's tree are given: what its rows could move is rounding, and the body it hangs on stays."""
-    last = BLOCK | {"marker": {"one": {"position": [0.438, 0, 0], "axes": {"x": "-x", "y": [0, 0, 1]}}, "two": {"position": [0.438, 0, 1]}}}
+    last = BLOCK | {
+        "marker": {
+            "one": {"position": [0.438, 0, 0], "axes": {"x": "-x", "y": [0, 0, 1]}},
+            "two": {"position": [0.438, 0, 1]},
+        }
+    }
     scene = {
-        "body": {"a": BLOCK, "base": last, "b": BLOCK | {"marker": {"end": {"position": [0, 1, 0]}}}, "c": BLOCK},
+        "body": {
+            "a": BLOCK,
+            "base": last,
+            "b": BLOCK | {"marker": {"end": {"position": [0, 1, 0]}}},
+            "c": BLOCK,
+        },
         "joint": {
             "ball": {"spherical": {}, "between": ["a", "ground"], "start": {"omega_body": {"y": 1.0}}},
             "free": {"free": {}, "between": ["a", "base"], "output": ["velocity", "omega"]},
@@ -449,18 +538,24 @@ def four_bar(tilt, crank=pi / 3, shift=0.0, axis="x", **solver):
 
 
 @formulations
-@pytest.mark.parametrize("tilt, axis, shift", [(7e-6, "x", 0.0), (1e-5, "y", 0.0), (0.0, "x", 1e-5), (5e-5, "x", -2e-5)])
+@pytest.mark.parametrize(
+    "tilt, axis, shift", [(7e-6, "x", 0.0), (1e-5, "y", 0.0), (0.0, "x", 1e-5), (5e-5, "x", -2e-5)]
+)
 def test_a_loop_that_repeats_itself_not_quite_exactly_runs(tilt, axis, shift, formulation):
     """It starts where it was told, moves as the exact one but for the order of what it is off, keeps its energy, and tells."""
     right = scene_of(four_bar(0.0, tolerance=1e-10)).simulate(until=2, step=0.25)
-    found = scene_of(four_bar(tilt, shift=shift, axis=axis, tolerance=1e-10), formulation).simulate(until=2, step=0.25)
+    found = scene_of(four_bar(tilt, shift=shift, axis=axis, tolerance=1e-10), formulation).simulate(
+        until=2, step=0.25
+    )
     assert found["crank.angle"][0] == pytest.approx(pi / 3, abs=1e-12)
     assert found["crank.angle"] == pytest.approx(right["crank.angle"], abs=10 * (tilt + abs(shift)))
     assert found["total_energy"] == pytest.approx(found["total_energy"][0], abs=1e-7)
     assert not right.notices
 
     # the rocker's end goes off the plane with the tilt
-    told = re.match(r"(\w+) does not quite close: its ends stay (\S+) m apart and turned by (\S+) rad", found.notices[0])
+    told = re.match(
+        r"(\w+) does not quite close: its ends stay (\S+) m apart and turned by (\S+) rad", found.notices[0]
+    )
     assert told[1] in ("crank", "ab", "c", "bc")
     assert float(told[2]) <= 2 * (1.5 * tilt + abs(shift))
     assert float(told[3]) <= 1.01 * tilt + 1e-12
@@ -476,7 +571,14 @@ def test_a_loop_not_quite_exact_keeps_its_energy():
 def three_cranks(longer, angle, speed, **solver):
     """Equal cranks of 1 m under a level beam, but for the middle one: where they stand upright other rows are redundant."""
     beam = {"mass": 1, "com": [1, 0, 0], "inertia": [0.01, 0.333, 0.333]}
-    ends = [["ground", "a"], ["a.end", "beam"], ["ground.far", "c"], ["ground.mid", "e"], ["beam.end", "c.end"], ["beam.mid", "e.end"]]
+    ends = [
+        ["ground", "a"],
+        ["a.end", "beam"],
+        ["ground.far", "c"],
+        ["ground.mid", "e"],
+        ["beam.end", "c.end"],
+        ["beam.mid", "e.end"],
+    ]
     joints = {f"p{k}": {"revolute": {}, "between": pair} for k, pair in enumerate(ends)}
     joints["p0"] |= {"start": {"angle": angle, "speed": speed}, "output": ["angle"]}
     return {
@@ -500,7 +602,9 @@ def test_gaps_of_a_loop_stay_where_other_rows_become_redundant(angle, speed, unt
     """No row takes the gap that a weak one has made large for its own: all stays within some misfits, at every point."""
     misfit = 1e-5
     right, found = (
-        scene_of(three_cranks(longer, angle, speed, tolerance=1e-10), formulation).simulate(until=until, step=0.02)
+        scene_of(three_cranks(longer, angle, speed, tolerance=1e-10), formulation).simulate(
+            until=until, step=0.02
+        )
         for longer in (0.0, misfit)
     )
     assert np.max(found["constraint_gap"]) < 10 * misfit
@@ -510,7 +614,10 @@ def test_gaps_of_a_loop_stay_where_other_rows_become_redundant(angle, speed, unt
 
 @pytest.mark.parametrize("tilt", [3e-4, 1e-2])
 def test_a_loop_far_from_exact_is_refused(tilt):
-    with pytest.raises(SimulationError, match=r"cannot be closed at (bc|c|ab); the ends at \w+ stay \S+ m apart and turned by"):
+    with pytest.raises(
+        SimulationError,
+        match=r"cannot be closed at (bc|c|ab); the ends at \w+ stay \S+ m apart and turned by",
+    ):
         start(four_bar(tilt))
 
 
@@ -578,7 +685,9 @@ def test_an_orientation_starts_by_three_angles(kind, formulation):
 
 def test_an_fmu_warns_of_starts_that_are_moved(tmp_path):
     """What its master sets counts as what the scene gives; each start that is moved is one warning, initialisation is OK."""
-    model = scene_of(wheels({"a": {"angle_deg": 30}, "b": {"angle_deg": 60}}, {("a", "b"): {"ratio": 2.0, "offset": 0.0}})).compile()
+    model = scene_of(
+        wheels({"a": {"angle_deg": 30}, "b": {"angle_deg": 60}}, {("a", "b"): {"ratio": 2.0, "offset": 0.0}})
+    ).compile()
     library = Library(export_fmu(model, tmp_path / "gears.fmu"), tmp_path / "gears")
 
     for angle, warnings in ((None, 0), (radians(55), 2)):
@@ -597,8 +706,13 @@ def test_an_fmu_warns_of_starts_that_are_moved(tmp_path):
 
 
 @formulations
-@pytest.mark.parametrize("kind", ["fixed", "translation", "prismatic", "revolute", "cylindrical", "screw", "planar"])
-@pytest.mark.parametrize("axis, angle", [((1, -1, 1), 120), ((1, 1, 1), -120), ((1, 0, 0), 180), ((0, 1, 1), 170), ((1, 0.1, 0), 100)])
+@pytest.mark.parametrize(
+    "kind", ["fixed", "translation", "prismatic", "revolute", "cylindrical", "screw", "planar"]
+)
+@pytest.mark.parametrize(
+    "axis, angle",
+    [((1, -1, 1), 120), ((1, 1, 1), -120), ((1, 0, 0), 180), ((0, 1, 1), 170), ((1, 0.1, 0), 100)],
+)
 def test_loops_close_the_right_way_round(formulation, kind, axis, angle):
     """Where products of axes vanish too, axes antiparallel or in each other's places, no loop is closed."""
     turned = {"axis_angle": {"axis": axis, "angle_deg": angle}}
@@ -608,7 +722,12 @@ def test_loops_close_the_right_way_round(formulation, kind, axis, angle):
         "keeps": {kind: options, "between": ["ground.turned", "b"]},
     }
     seen = {"between": ["ground.turned", "b"], "output": ["euler_parameters"]}
-    scene = {"body": {"b": BLOCK}, "joint": joints, "measure": {"seen": seen}, "ground": {"marker": {"turned": turned}}}
+    scene = {
+        "body": {"b": BLOCK},
+        "joint": joints,
+        "measure": {"seen": seen},
+        "ground": {"marker": {"turned": turned}},
+    }
     _, found = start(scene, formulation)
     x, y, _, w = (found[f"seen.euler_parameters[{k}]"] for k in (1, 2, 3, 4))
     assert 1 - 2 * (x * x + y * y) == pytest.approx(1.0, abs=1e-12)
@@ -630,7 +749,11 @@ def three_bars(**last):
 @formulations
 def test_a_strut_without_rest_length_is_slack_at_the_start(formulation):
     """Once the loop is closed the knee is sqrt(3) m from the ground's hinge."""
-    strut = {"spring_damper": {"stiffness": 100}, "between": ["ground", "b.end"], "output": ["length", "tension"]}
+    strut = {
+        "spring_damper": {"stiffness": 100},
+        "between": ["ground", "b.end"],
+        "output": ["length", "tension"],
+    }
     instance, found = start(three_bars(force={"strut": strut}, output=["spring_energy"]), formulation)
     assert found["strut.length"] == pytest.approx(3**0.5, abs=1e-12)
     assert found["strut.tension"] == found["spring_energy"] == 0.0
@@ -667,7 +790,11 @@ def test_a_distance_without_length_is_that_of_the_start(formulation):
 
 def test_slack_at_the_start_of_this_run():
     """A start value that is set, or a drive at another start time, changes what the start's length is; restored states keep theirs."""
-    strut = {"spring_damper": {"stiffness": 100}, "between": ["ground.up", "b.end"], "output": ["length", "tension"]}
+    strut = {
+        "spring_damper": {"stiffness": 100},
+        "between": ["ground.up", "b.end"],
+        "output": ["length", "tension"],
+    }
     scene = {
         "ground": {"marker": {"up": {"position": [0, 0, 2]}}},
         "body": {"b": bar(1.0)},
@@ -675,11 +802,17 @@ def test_slack_at_the_start_of_this_run():
         "force": {"strut": strut},
     }
     assert start(scene, parameters={"j.angle_start": 0.7})[1]["strut.tension"] == 0.0
-    driven = {"revolute": {"axis": "y"}, "between": ["ground", "b"], "driver": {"harmonic": {"amplitude": 1.0, "frequency": 0.3}}}
+    driven = {
+        "revolute": {"axis": "y"},
+        "between": ["ground", "b"],
+        "driver": {"harmonic": {"amplitude": 1.0, "frequency": 0.3}},
+    }
     instance, found = start(scene | {"joint": {"j": driven}}, time=0.8)
     assert found["strut.tension"] == 0.0
     instance.step(0.5)
-    assert named(instance)["strut.tension"] == pytest.approx(100 * (named(instance)["strut.length"] - found["strut.length"]), abs=1e-9)
+    assert named(instance)["strut.tension"] == pytest.approx(
+        100 * (named(instance)["strut.length"] - found["strut.length"]), abs=1e-9
+    )
 
 
 def test_an_output_does_not_change_how_a_start_gives_way():
@@ -698,6 +831,9 @@ def test_an_output_does_not_change_how_a_start_gives_way():
         },
     }
     plain = Instance(compile_scene(Scene.model_validate(scene)))
-    seen = bar | {"marker": bar["marker"] | {"mast": {"position": [0, 40.0, 0], "output": ["position"]}}, "output": ["omega"]}
+    seen = bar | {
+        "marker": bar["marker"] | {"mast": {"position": [0, 40.0, 0], "output": ["position"]}},
+        "output": ["omega"],
+    }
     watched = Instance(compile_scene(Scene.model_validate(scene | {"body": scene["body"] | {"b": seen}})))
     assert plain.d.x.tobytes() == watched.d.x.tobytes()

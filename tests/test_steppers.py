@@ -19,7 +19,9 @@ def oscillator(solver, stiffness=OMEGA**2, damper=0.0, start=1.0, **joint):
     rail = {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "spring": {"stiffness": stiffness}}
     rail |= {"damper": damper, "start": {"position": start}, "input": "force"} | joint
     body = {"cart": {"mass": 1.0, "inertia": [1, 1, 1]}}
-    return instance_of({"name": "o", "gravity": [0, 0, 0], "solver": solver, "body": body, "joint": {"rail": rail}})
+    return instance_of(
+        {"name": "o", "gravity": [0, 0, 0], "solver": solver, "body": body, "joint": {"rail": rail}}
+    )
 
 
 def test_numbers_tell_steppers_apart():
@@ -30,13 +32,16 @@ def test_numbers_tell_steppers_apart():
 # order
 
 
-@pytest.mark.parametrize("integrator, order, n_steps", [
-    ("rk54", 5, [20, 30, 40]),
-    ("rk853", 8, [10, 15, 20]),
-    ("radau", 5, [20, 30, 40]),
-    ("ros2", 2, [100, 150, 200]),
-    ("gauss", 8, [7, 10, 14]),
-])
+@pytest.mark.parametrize(
+    "integrator, order, n_steps",
+    [
+        ("rk54", 5, [20, 30, 40]),
+        ("rk853", 8, [10, 15, 20]),
+        ("radau", 5, [20, 30, 40]),
+        ("ros2", 2, [100, 150, 200]),
+        ("gauss", 8, [7, 10, 14]),
+    ],
+)
 def test_order(integrator, order, n_steps):
     """Equal steps over 3 s; of the adaptive ones such that no error estimate chose: it is given no weight."""
     errors = []
@@ -44,7 +49,9 @@ def test_order(integrator, order, n_steps):
     for n in n_steps:
         step = 3 / n
         adaptive = {"max_step": step, "tolerance": 1e-12}
-        instance = oscillator({"integrator": integrator} | (adaptive if integrator in ADAPTIVE else {"step": step}))
+        instance = oscillator(
+            {"integrator": integrator} | (adaptive if integrator in ADAPTIVE else {"step": step})
+        )
         instance.m.absolute_tolerance[0] = 1e30
         instance.d.next_step[:] = step
         instance.step(3.0)
@@ -205,7 +212,9 @@ def test_outputs_of_the_solver(integrator):
 
 
 @pytest.mark.parametrize("integrator", sorted(STEPPERS))
-@pytest.mark.parametrize("driver", [{"constant_speed": 3.0}, {"harmonic": {"amplitude": 0.8, "frequency": 0.7}}])
+@pytest.mark.parametrize(
+    "driver", [{"constant_speed": 3.0}, {"harmonic": {"amplitude": 0.8, "frequency": 0.7}}]
+)
 def test_driven_loops_stay_closed(integrator, driver):
     """At every communication point the loop is closed where its drive is then, whatever stages a method has."""
 
@@ -215,7 +224,9 @@ def test_driven_loops_stay_closed(integrator, driver):
     hinge = {"revolute": {"axis": "y"}}
     solver = {"integrator": integrator} | ({"step": 0.01} if integrator in ("rk4", "ros2", "gauss") else {})
     scene = Scene(
-        name="driven", solver=solver, output=["constraint_gap", "constraint_rate"],
+        name="driven",
+        solver=solver,
+        output=["constraint_gap", "constraint_rate"],
         ground={"marker": {"far": {"position": [2, 0, 0]}}},
         body={"a": bar(0.5), "b": bar(2.0), "c": bar(1.0)},
         joint={

@@ -2,7 +2,6 @@
 which they are known.
 """
 
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -58,7 +57,9 @@ def test_planar_four_bar(size):
     assert owners(found.redundant) == ["D"] * 3
     assert found.redundant[0].keeps == "position along z"
     assert all(row.keeps.startswith("rotation about") for row in found.redundant[1:])
-    assert {r.owner: r.what for r in found.undetermined} == dict.fromkeys("ABCD", "force along z, moment about x and y")
+    assert {r.owner: r.what for r in found.undetermined} == dict.fromkeys(
+        "ABCD", "force along z, moment about x and y"
+    )
 
 
 def test_four_bar_with_a_spherical_joint_has_one_redundant_equation():
@@ -114,7 +115,9 @@ def test_bricard():
 
 
 def test_free_body():
-    found = Scene(name="free", body={"b": BOX}, joint={"j": {"free": {}, "between": ["ground", "b"]}}).structure()
+    found = Scene(
+        name="free", body={"b": BOX}, joint={"j": {"free": {}, "between": ["ground", "b"]}}
+    ).structure()
 
     assert found.freedom == found.coordinates == 6
     assert not (found.redundant or found.undetermined or found.driveable or found.closing)
@@ -126,7 +129,10 @@ def test_two_fixed_joints_side_by_side():
 
     assert found.freedom == 0
     assert owners(found.redundant) == ["right"] * 6
-    assert [(r.owner, r.what) for r in found.undetermined] == [("left", "force, moment"), ("right", "force, moment")]
+    assert [(r.owner, r.what) for r in found.undetermined] == [
+        ("left", "force, moment"),
+        ("right", "force, moment"),
+    ]
 
 
 def test_a_door_on_two_hinges():
@@ -143,12 +149,17 @@ def test_a_door_on_two_hinges():
 
 
 @pytest.mark.parametrize(
-    "kind, rank, redundant", [("rolling_sphere", 3, 0), ("rolling_disk", 3, 0), ("knife_edge", 1, 0), ("point_on_plane", 1, 0)]
+    "kind, rank, redundant",
+    [("rolling_sphere", 3, 0), ("rolling_disk", 3, 0), ("knife_edge", 1, 0), ("point_on_plane", 1, 0)],
 )
 def test_constraints_of_a_free_body(kind, rank, redundant):
     options = {"radius": 1.0} if kind.startswith("rolling") else {}
     joint = {
-        "free": {"free": {}, "between": ["ground", "b"], "start": {"position": [0, 0, 1], "zyx_deg": [0, 0, 80]}},
+        "free": {
+            "free": {},
+            "between": ["ground", "b"],
+            "start": {"position": [0, 0, 1], "zyx_deg": [0, 0, 80]},
+        },
         "on": {kind: options, "between": ["ground", "b"]},
     }
 
@@ -198,19 +209,27 @@ def test_freedom_does_not_depend_on_where_things_are_or_which_joint_is_cut(seed)
         ends = [f"b{k}" if k else "ground", f"b{k + 1}" if k < n - 1 else "ground"]
 
         for end in ends:
-            markers = ground if end == "ground" else body.setdefault(end, {"mass": 1, "inertia": [1, 1, 1], "marker": {}})["marker"]
+            markers = (
+                ground
+                if end == "ground"
+                else body.setdefault(end, {"mass": 1, "inertia": [1, 1, 1], "marker": {}})["marker"]
+            )
             markers[f"j{k}"] = {"position": spots[k].tolist()}
 
         joint[f"j{k}"] = {"revolute": {"axis": axes[k].tolist()}, "between": [f"{end}.j{k}" for end in ends]}
 
     names = rng.permutation(list(joint)).tolist()
-    found = Scene(name="loop", ground={"marker": ground}, body=body, joint={name: joint[name] for name in names}).structure()
+    found = Scene(
+        name="loop", ground={"marker": ground}, body=body, joint={name: joint[name] for name in names}
+    ).structure()
 
     assert found.freedom == n - 6
     assert found.redundant == [] and found.undetermined == []
 
 
-@pytest.mark.parametrize("loops", [["revolute"], ["screw", "spherical"], ["cylindrical", "distance"], ["universal", "prismatic"]])
+@pytest.mark.parametrize(
+    "loops", [["revolute"], ["screw", "spherical"], ["cylindrical", "distance"], ["universal", "prismatic"]]
+)
 def test_reactions_are_undetermined_where_absolute_coordinates_find_self_stress(loops):
     """In absolute coordinates all joints are rows: the left null space of their Jacobian is the self-stress."""
     scene = Scene.model_validate(random_loops(3, loops, freedoms=-2))
@@ -242,10 +261,18 @@ def test_a_row_of_loops_has_three_equations_too_many_a_loop():
         left, right = (f"down{k - 1}.high", f"up{k - 1}.high") if k else ("ground", "shoe")
         angles = (1.0, np.pi - 1.0) if k == 0 else (2.0 - np.pi, np.pi - 2.0)
         joint[f"left{k}"] = {"revolute": {}, "between": [left, f"{up}.low"], "start": {"angle": angles[0]}}
-        joint[f"right{k}"] = {"revolute": {}, "between": [right, f"{down}.low"], "start": {"angle": angles[1]}}
+        joint[f"right{k}"] = {
+            "revolute": {},
+            "between": [right, f"{down}.low"],
+            "start": {"angle": angles[1]},
+        }
 
     body["shoe"] = BOX
-    joint["slide"] = {"prismatic": {"axis": "x"}, "between": ["ground", "shoe"], "start": {"position": np.cos(1.0)}}
+    joint["slide"] = {
+        "prismatic": {"axis": "x"},
+        "between": ["ground", "shoe"],
+        "start": {"position": np.cos(1.0)},
+    }
     found = Scene(name="lift", body=body, joint=joint).structure()
     assert (found.freedom, found.equations - found.rank) == (1, 3 * n)
     assert {reaction.owner for reaction in found.undetermined} == set(joint)

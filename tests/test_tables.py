@@ -27,9 +27,17 @@ READINGS = {
 
 def block(solver=None, **joint):
     """A block of 1 kg on a slide."""
-    slide = {"prismatic": {}, "between": ["ground", "block"], "output": ["position", "speed", "acceleration"]} | joint
+    slide = {
+        "prismatic": {},
+        "between": ["ground", "block"],
+        "output": ["position", "speed", "acceleration"],
+    } | joint
     return mbdfmi.Scene(
-        name="block", gravity=[0, 0, 0], solver=solver or {}, body={"block": {"mass": 1, "inertia": INERTIA}}, joint={"slide": slide}
+        name="block",
+        gravity=[0, 0, 0],
+        solver=solver or {},
+        body={"block": {"mass": 1, "inertia": INERTIA}},
+        joint={"slide": slide},
     )
 
 
@@ -70,7 +78,9 @@ def test_a_spring_is_read_as_it_says_and_goes_on_straight(interpolation):
     for at in np.linspace(-2, 3, 31):
         assert_near(tables.evaluate(instance.m, 0, at)[0], expected(at), 1e-14)
         instance.d.x[0] = at
-        energy = quad(expected, slack, at, points=[p for p in x if min(slack, at) < p < max(slack, at)] or None)[0]
+        energy = quad(
+            expected, slack, at, points=[p for p in x if min(slack, at) < p < max(slack, at)] or None
+        )[0]
         assert_near(forces.stored_energy(instance.m, instance.d), energy, 1e-13)
 
 
@@ -84,7 +94,10 @@ def test_forces_lie_on_straight_lines_unless_told_otherwise(points, at):
     x, y = np.cumsum([h for h, _ in points]), np.array([y for _, y in points])
     k = np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2)
     expected = y[k] + (y[k + 1] - y[k]) / (x[k + 1] - x[k]) * (at - x[k])
-    strut = {"spring_damper": {"stiffness": 0, "damping": {"table": {"speed": x, "force": y}}}, "between": ["ground.far", "block"]}
+    strut = {
+        "spring_damper": {"stiffness": 0, "damping": {"table": {"speed": x, "force": y}}},
+        "between": ["ground.far", "block"],
+    }
     spring = block(spring={"table": {"position": x, "effort": y}}, start={"position": at})
     damper = block(damper={"table": {"speed": x, "effort": y}}, start={"speed": at})
     pull = damper.model_dump(exclude_unset=True) | {"force": {"strut": strut}}
@@ -97,7 +110,9 @@ def test_forces_lie_on_straight_lines_unless_told_otherwise(points, at):
 
 def test_a_spring_of_straight_lines_keeps_its_energy():
     x, y = [-1, -0.1, 0.1, 0.4, 1], [-20, -1, 1, 1, 30]
-    scene = block({"tolerance": 1e-10}, spring={"table": {"position": x, "effort": y}}, start={"position": 0.9})
+    scene = block(
+        {"tolerance": 1e-10}, spring={"table": {"position": x, "effort": y}}, start={"position": 0.9}
+    )
     energy = mbdfmi.Scene.model_validate(scene.model_dump(exclude_unset=True) | {"output": ["total_energy"]})
     run = energy.simulate(until=10, step=0.1)["total_energy"]
     assert_near(run, run[0], 5e-6)
@@ -108,11 +123,14 @@ def test_a_load_is_read_as_it_says_and_keeps_its_end_values(interpolation):
     t, f = np.array([0.5, 1.0, 2.0, 2.5]), np.array([1.0, 3.0, -2.0, 4.0])
     load = {"table": {"time": t, "force": np.outer(f, [0, 0, 1]), "interpolation": interpolation}}
     scene = mbdfmi.Scene.model_validate(
-        block({"tolerance": 1e-10}).model_dump(exclude_unset=True) | {"force": {"push": {"load": load, "on": "block"}}}
+        block({"tolerance": 1e-10}).model_dump(exclude_unset=True)
+        | {"force": {"push": {"load": load, "on": "block"}}}
     )
     run = scene.simulate(until=3, step=0.25)
     now = np.clip(run["time"], t[0], t[-1])
-    law = READINGS.get(interpolation, lambda x, y: lambda at: y[np.searchsorted(x, at, side="right") - 1])(t, f)
+    law = READINGS.get(interpolation, lambda x, y: lambda at: y[np.searchsorted(x, at, side="right") - 1])(
+        t, f
+    )
     assert_near(run["slide.acceleration"], law(now), 1e-12)
 
 
@@ -135,9 +153,17 @@ def pendulum_on_a_slide(driver):
     return mbdfmi.Scene(
         name="swing",
         solver={"tolerance": 1e-11, "output": ["evaluations"]},
-        body={"cart": {"mass": 1, "inertia": INERTIA}, "bob": {"mass": 1, "com": [0, 0, -0.5], "inertia": [0.1, 0.1, 0.01]}},
+        body={
+            "cart": {"mass": 1, "inertia": INERTIA},
+            "bob": {"mass": 1, "com": [0, 0, -0.5], "inertia": [0.1, 0.1, 0.01]},
+        },
         joint={
-            "slide": {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "driver": driver, "output": ["position", "acceleration"]},
+            "slide": {
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "cart"],
+                "driver": driver,
+                "output": ["position", "acceleration"],
+            },
             "hinge": {"revolute": {"axis": "y"}, "between": ["cart", "bob"], "output": ["angle"]},
         },
     )
@@ -146,7 +172,9 @@ def pendulum_on_a_slide(driver):
 def test_steppers_cross_the_points_of_a_sampled_sine(check):
     """The evaluations are not many more than those of the exact drive; of cubic pieces they were 180 times as many."""
     t = np.linspace(0, 10, 3001)
-    exact = pendulum_on_a_slide({"harmonic": {"amplitude": 0.1, "frequency": 5 / np.pi}}).simulate(until=10, step=0.5)
+    exact = pendulum_on_a_slide({"harmonic": {"amplitude": 0.1, "frequency": 5 / np.pi}}).simulate(
+        until=10, step=0.5
+    )
     table = {"time": t, "position": 0.1 * np.sin(10 * t)}
     found = pendulum_on_a_slide({"table": table}).simulate(until=10, step=0.5)
     check(np.abs(found["slide.position"] - exact["slide.position"]).max(), 1e-12)
@@ -256,9 +284,15 @@ def test_splines_of_motions_are_those_of_scipy():
 
 def test_a_ground_by_table_stands_and_turns_as_it_is_told():
     """It stands, turns by 90 degrees about z while it moves, and stands again; a body fixed to it is there."""
-    table = {"time": [0, 1, 2, 3], "position": [[0, 0, 0]] * 2 + [[2, 0, 0]] * 2, "zyx_deg": [[0, 0, 0]] * 2 + [[90, 0, 0]] * 2}
+    table = {
+        "time": [0, 1, 2, 3],
+        "position": [[0, 0, 0]] * 2 + [[2, 0, 0]] * 2,
+        "zyx_deg": [[0, 0, 0]] * 2 + [[90, 0, 0]] * 2,
+    }
     scene = mbdfmi.Scene(
-        name="table", gravity=[0, 0, 0], ground={"motion": {"table": table}},
+        name="table",
+        gravity=[0, 0, 0],
+        ground={"motion": {"table": table}},
         body={"b": {"mass": 1, "inertia": INERTIA, "output": ["position", "zyx", "omega"]}},
         joint={"j": {"fixed": {}, "between": ["ground", "b"]}},
     )
@@ -277,9 +311,24 @@ def test_a_ground_by_table_stands_and_turns_as_it_is_told():
 @pytest.mark.parametrize(
     "joint, wrong, meant, known",
     [
-        ({"spring": {"table": {"position": [0, 1], "effort": [0, 1]}}}, "liner", "linear", ["monotone", "cubic"]),
-        ({"damper": {"table": {"speed": [0, 1], "effort": [0, 1]}}}, "monoton", "monotone", ["linear", "cubic"]),
-        ({"driver": {"table": {"time": [0, 1], "position": [0, 1]}}}, "smoth", "smooth", ["quintic", "cubic", "linear"]),
+        (
+            {"spring": {"table": {"position": [0, 1], "effort": [0, 1]}}},
+            "liner",
+            "linear",
+            ["monotone", "cubic"],
+        ),
+        (
+            {"damper": {"table": {"speed": [0, 1], "effort": [0, 1]}}},
+            "monoton",
+            "monotone",
+            ["linear", "cubic"],
+        ),
+        (
+            {"driver": {"table": {"time": [0, 1], "position": [0, 1]}}},
+            "smoth",
+            "smooth",
+            ["quintic", "cubic", "linear"],
+        ),
     ],
 )
 def test_unknown_readings_are_refused(joint, wrong, meant, known):

@@ -74,8 +74,14 @@ def test_two_angles_of_a_universal_joint():
 
 
 def chain(sizes, **more):
-    body = {f"b{k}": {"mass": 1, "inertia": AXES, "marker": {"e": {"position": [size, 0, 0]}}} for k, size in enumerate(sizes)}
-    joint = {f"j{k}": {"revolute": {}, "between": [f"b{k - 1}.e" if k else "ground", f"b{k}"]} for k in range(len(sizes))}
+    body = {
+        f"b{k}": {"mass": 1, "inertia": AXES, "marker": {"e": {"position": [size, 0, 0]}}}
+        for k, size in enumerate(sizes)
+    }
+    joint = {
+        f"j{k}": {"revolute": {}, "between": [f"b{k - 1}.e" if k else "ground", f"b{k}"]}
+        for k in range(len(sizes))
+    }
     return Scene(name="c", body=body, joint=joint, **more)
 
 
@@ -134,7 +140,12 @@ def test_notices_come_out_everywhere(tmp_path, capsys):
     path.write_text(scene.to_toml())
     (notice,) = scene.notices
     assert scene.compile().notices == scene.simulate(0.1).notices == [notice]
-    runs = [["check", path], ["info", path], ["simulate", path, "--until", 0.1], ["simulate", path, "--until", 0.1, "--csv", tmp_path / "a.csv"]]
+    runs = [
+        ["check", path],
+        ["info", path],
+        ["simulate", path, "--until", 0.1],
+        ["simulate", path, "--until", 0.1, "--csv", tmp_path / "a.csv"],
+    ]
 
     for arguments in runs:
         assert cli.main([str(argument) for argument in arguments]) == 0
@@ -144,7 +155,15 @@ def test_notices_come_out_everywhere(tmp_path, capsys):
 # names
 
 
-NAMES = {"Flügel": "Flugel", "blade 1": "'blade 1'", "α": "'(U+03B1)'", "рычаг": None, "it's": None, "a-b": "'a-b'", "x": "x"}
+NAMES = {
+    "Flügel": "Flugel",
+    "blade 1": "'blade 1'",
+    "α": "'(U+03B1)'",
+    "рычаг": None,
+    "it's": None,
+    "a-b": "'a-b'",
+    "x": "x",
+}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -166,17 +185,30 @@ def test_names_as_written(name):
     assert written[f"{name}.position"].shape == (3, 3)
     np.testing.assert_array_equal(written[f"{name}.position[1]"], written[f"{name}.position"][:, 0])
     assert f"{name} j.speed" in written and f"{name} k.speed" not in written
-    assert set(written) == set(quoted) == {"time"} | {v.name for v in scene.compile().variables if v.causality != "parameter"}
+    assert (
+        set(written)
+        == set(quoted)
+        == {"time"} | {v.name for v in scene.compile().variables if v.causality != "parameter"}
+    )
 
 
 def test_a_joint_and_a_body_of_one_name():
     """Nothing of theirs is called the same unless both say so."""
     body = {"mass": 1, "inertia": AXES, "output": ["omega", "zyx"], "input": ["moment"]}
-    joint = {"between": ["ground", "a"], "spring": {"stiffness": 1}, "damper": 0.1, "start": {"angle": 0.1}, "input": "torque", "output": ["angle", "speed"]}
+    joint = {
+        "between": ["ground", "a"],
+        "spring": {"stiffness": 1},
+        "damper": 0.1,
+        "start": {"angle": 0.1},
+        "input": "torque",
+        "output": ["angle", "speed"],
+    }
     scene = Scene(name="one", body={"a": body}, joint={"a": {"revolute": {}} | joint})
     names = [v.name for v in scene.compile().variables]
     assert len(set(names)) == len(names)
-    assert scene.simulate(0.1)["a.omega"][-1, 2] == pytest.approx(scene.simulate(0.1)["a.speed"][-1], abs=1e-12)
+    assert scene.simulate(0.1)["a.omega"][-1, 2] == pytest.approx(
+        scene.simulate(0.1)["a.speed"][-1], abs=1e-12
+    )
 
 
 def test_a_joint_and_a_body_with_one_variable():
@@ -250,7 +282,9 @@ def test_files_of_other_kinds_say_what_they_are(tmp_path, text, kind):
     assert str(path) in message and kind in message and "not a scene file (TOML)" in message
 
 
-@pytest.mark.parametrize("start", ["", "# solid facet\n", "model = 1\n", "[model.x]\n", '["a b"]\n', "import = 2\n", "MZ = 1\n"])
+@pytest.mark.parametrize(
+    "start", ["", "# solid facet\n", "model = 1\n", "[model.x]\n", '["a b"]\n', "import = 2\n", "MZ = 1\n"]
+)
 def test_toml_is_no_file_of_another_kind(start):
     with pytest.raises(SceneError) as error:
         parse_scene((start + "name = 3").encode())
@@ -265,12 +299,30 @@ def test_point_masses():
     """A point among the solids is what a mass with inertia [0, 0, 0] is; with a rod it makes the sum."""
     written = {"mass": 2, "com": [0, 0, -1], "inertia": [0, 0, 0]}
     solid = {"solid": {"point": {"mass": 2}, "position": [0, 0, -1]}}
-    ends = [pendulum({"start": {"angle": 1}, "output": ["angle"]}, body).simulate(2.0)["j.angle"] for body in (written,)]
-    scene = Scene(name="p", body={"a": solid}, joint={"j": {"revolute": {"axis": "y"}, "between": ["ground", "a"], "start": {"angle": 1}, "output": ["angle"]}})
+    ends = [
+        pendulum({"start": {"angle": 1}, "output": ["angle"]}, body).simulate(2.0)["j.angle"]
+        for body in (written,)
+    ]
+    scene = Scene(
+        name="p",
+        body={"a": solid},
+        joint={
+            "j": {
+                "revolute": {"axis": "y"},
+                "between": ["ground", "a"],
+                "start": {"angle": 1},
+                "output": ["angle"],
+            }
+        },
+    )
     np.testing.assert_array_equal(scene.simulate(2.0)["j.angle"], ends[0])
 
     rod = {"cylinder": {"radius": 0.01, "length": 1, "mass": 3}, "position": [0, 0, -0.5]}
-    both = Scene(name="p", body={"a": {"solid": [rod, solid["solid"]]}}, joint=scene.model_dump(include={"joint"}, exclude_none=True)["joint"])
+    both = Scene(
+        name="p",
+        body={"a": {"solid": [rod, solid["solid"]]}},
+        joint=scene.model_dump(include={"joint"}, exclude_none=True)["joint"],
+    )
     mass, com, inertia = both.body["a"].mass_properties()
     np.testing.assert_allclose(com, [0, 0, -(3 * 0.5 + 2 * 1) / 5], atol=1e-15)
     about_origin = inertia[1, 1] + mass * com @ com
@@ -293,7 +345,12 @@ def test_results_keep_to_mapping():
 def test_vectors_written_in_part_are_looked_at(kind, start, notice):
     options = {"axes": ["x", "y"]} if kind == "universal" else {}
     joint = {kind: options, "between": ["ground", "b"], "start": start}
-    scene = Scene(name="part", solver={"absolute_tolerance": 0.01}, body={"b": {"mass": 1, "inertia": AXES}}, joint={"j": joint})
+    scene = Scene(
+        name="part",
+        solver={"absolute_tolerance": 0.01},
+        body={"b": {"mass": 1, "inertia": AXES}},
+        joint={"j": joint},
+    )
     found = [text for text in scene.notices if text.startswith("[joint.j]")]
     assert len(found) == (notice is not None) and all(text.startswith(notice) for text in found)
     assert Instance(compile_scene(scene)).notices[: len(scene.notices)] == scene.notices
@@ -301,7 +358,12 @@ def test_vectors_written_in_part_are_looked_at(kind, start, notice):
 
 @pytest.mark.parametrize(
     "time, position, told",
-    [([0, 1, 2], [0, 1, 0], False), ([0.5, 1, 2], [0, 1, 0], True), ([0.5, 1, 2], [0.2, 0.2, 0], False), ([-1, 1, 2], [0, 1, 0], False)],
+    [
+        ([0, 1, 2], [0, 1, 0], False),
+        ([0.5, 1, 2], [0, 1, 0], True),
+        ([0.5, 1, 2], [0.2, 0.2, 0], False),
+        ([-1, 1, 2], [0, 1, 0], False),
+    ],
 )
 @pytest.mark.parametrize("interpolation", ["smooth", "cubic", "quintic"])
 def test_a_table_that_begins_to_move_at_once_is_noticed(time, position, told, interpolation):
@@ -314,4 +376,7 @@ def test_a_table_that_begins_to_move_at_once_is_noticed(time, position, told, in
 
     for scene, place in zip(scenes, ("[joint.j] driver", "[ground] motion")):
         found = [text for text in scene.notices if "the speed jumps" in text]
-        assert len(found) == told and all(text.startswith(f"{place}.table.time: stands still until its first point, 0.5 s") for text in found)
+        assert len(found) == told and all(
+            text.startswith(f"{place}.table.time: stands still until its first point, 0.5 s")
+            for text in found
+        )

@@ -91,7 +91,9 @@ def test_between_floating_bodies_energy_and_momentum_are_kept():
             "fa": free("a", omega=[0.3, -0.5, 0.4]),
             "fb": free("b", omega=[-0.2, 0.4, 3.0], zyx_deg=[40, -20, 10]),
         },
-        "force": {"bar": {"torsion": {"stiffness": 3.0, "rest": -0.7}, "between": ["a.m", "b.m"], "output": OUTPUTS}},
+        "force": {
+            "bar": {"torsion": {"stiffness": 3.0, "rest": -0.7}, "between": ["a.m", "b.m"], "output": OUTPUTS}
+        },
         "output": ["total_energy", "angular_momentum", "spring_energy"],
     }
     first, last = run(data, 1e-9), run(data, 1.0)

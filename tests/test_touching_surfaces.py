@@ -32,7 +32,11 @@ def scene(ground, shape, start, kind="rolling_surface", contact=None, solver=SOL
             "output": ["total_energy"],
             "ground": {"marker": {"m": ground}},
             "body": {
-                "b": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1], "output": ["position", "velocity", "omega_body"]}
+                "b": {
+                    "mass": 1.0,
+                    "inertia": [0.1, 0.1, 0.1],
+                    "output": ["position", "velocity", "omega_body"],
+                }
                 | {"marker": {"skin": {"surface": shape}}}
                 | body
             },
@@ -183,7 +187,11 @@ def test_it_does_not_matter_which_is_first():
             {"position": [0, 0, 1.25], "omega": [1.0, 0.5, 2.0]},
             inertia=[0.02, 0.03, 0.025],
         )
-        made.body["ball"] = {"mass": 2.0, "inertia": [0.8, 0.8, 0.8], "marker": {"skin": {"surface": ball(1.0)[0]}}}
+        made.body["ball"] = {
+            "mass": 2.0,
+            "inertia": [0.8, 0.8, 0.8],
+            "marker": {"skin": {"surface": ball(1.0)[0]}},
+        }
         made.joint["bearing"] = {"spherical": {}, "between": ["ground", "ball"], "output": ["omega"]}
         made.joint["touch"].between = between
         made.joint["touch"].output = ["s", "normal_force"]
@@ -210,7 +218,11 @@ def test_a_disk_that_touches_is_a_rolling_disk(formulation):
     solver = SOLVER | {"formulation": formulation}
     made = scene({"surface": {"plane": {}}}, {"disk": {"radius": 1.0}}, start, solver=solver, **body)
     one = made.simulate(1.0, 0.1)
-    made.joint["touch"] = {"rolling_disk": {"radius": 1.0}, "between": ["ground", "b"], "output": ["reaction_force"]}
+    made.joint["touch"] = {
+        "rolling_disk": {"radius": 1.0},
+        "between": ["ground", "b"],
+        "output": ["reaction_force"],
+    }
     two = made.simulate(1.0, 0.1)
 
     for name in ("b.position", "b.velocity", "b.omega_body"):
@@ -298,7 +310,9 @@ def test_a_wheel_with_a_round_rim():
     # tilted by 25 deg, rolling and turning, so that it nods
     body = {"mass": 3.0, "inertia": [0.06, 0.06, 0.1]}
     start = {"zyx_deg": [10, 0, 65], "position": [0, 0, 0.3], "omega_body": [0.2, 0.8, 4.0]}
-    results = scene({"surface": {"plane": {}}}, {"torus": {"radius": 0.27, "tube": 0.05}}, start, **body).simulate(2.0, 0.1)
+    results = scene(
+        {"surface": {"plane": {}}}, {"torus": {"radius": 0.27, "tube": 0.05}}, start, **body
+    ).simulate(2.0, 0.1)
     agrees(results, rim(0.27, 0.05), 3.0, [0, 0, 0], np.diag([0.06, 0.06, 0.1]), 1e-9)
     assert np.ptp(vertical(columns(results, "free.euler_parameters", 4))[:, 2]) > 0.1
 
@@ -372,7 +386,9 @@ def test_a_ball_does_not_fit_into_a_pipe_narrower_than_itself():
 
 
 def test_a_wheel_that_lies_flat_is_told():
-    made = scene({"surface": {"plane": {}}}, {"torus": {"radius": 0.27, "tube": 0.05}}, {"position": [0, 0, 0.05]})
+    made = scene(
+        {"surface": {"plane": {}}}, {"torus": {"radius": 0.27, "tube": 0.05}}, {"position": [0, 0, 0.05]}
+    )
 
     with pytest.raises(SimulationError, match="a wheel that lies flat"):
         made.simulate(1.0, 0.1)

@@ -38,9 +38,19 @@ def gear_in_a_loop(carrier=10.0, sun=40.0, ratio=-1.0, **solver):
         solver=solver,
         body={"carrier": body(), "sun": body(1e-3), "planet": body(1e-3)},
         joint={
-            "carrier": {"revolute": {}, "between": ["ground", "carrier"], "start": {"speed": carrier}, "output": ["angle"]},
+            "carrier": {
+                "revolute": {},
+                "between": ["ground", "carrier"],
+                "start": {"speed": carrier},
+                "output": ["angle"],
+            },
             "planet": {"revolute": {}, "between": ["carrier", "planet"], "output": ["angle"]},
-            "sun": {"revolute": {}, "between": ["ground", "sun"], "start": {"speed": sun}, "output": ["angle"]},
+            "sun": {
+                "revolute": {},
+                "between": ["ground", "sun"],
+                "start": {"speed": sun},
+                "output": ["angle"],
+            },
             "between": {"revolute": {}, "between": ["carrier", "sun"], "output": ["angle"]},
         },
         coupling={"mesh": {"gear": {"ratio": ratio}, "between": ["between", "planet"]}},
@@ -71,7 +81,11 @@ def test_the_same_in_absolute_coordinates(integrator):
 
 def rotors(joint, outside, **tables):
     """Two rotors on one axis, the second also on a hinge with the first: that hinge is outside the tree, or the second's own."""
-    between = {"revolute": {}, "between": ["one", "two"], "output": ["angle", "speed", "acceleration"]} | joint
+    between = {
+        "revolute": {},
+        "between": ["one", "two"],
+        "output": ["angle", "speed", "acceleration"],
+    } | joint
     ground = {
         "one": {"revolute": {}, "between": ["ground", "one"], "start": {"speed": 5}, "output": ["angle"]},
         "two": {"revolute": {}, "between": ["ground", "two"], "start": {"speed": 45}, "output": ["angle"]},
@@ -109,7 +123,9 @@ def test_what_acts_there_is_what_acts_in_the_tree(element):
 @pytest.mark.parametrize("integrator", ["auto", "radau"])
 def test_a_spring_wound_over_many_turns(integrator):
     """Two rotors on a soft spring: the angle between them is a sine of 40 rad / s over its frequency, in closed form."""
-    scene = rotors({"spring": {"stiffness": 0.02}}, True, solver={"integrator": integrator}, gravity=[0, 0, 0])
+    scene = rotors(
+        {"spring": {"stiffness": 0.02}}, True, solver={"integrator": integrator}, gravity=[0, 0, 0]
+    )
     one, two = 2e-2 + 0.02**2, 1e-2 + 0.01**2
     w = np.sqrt(0.02 * (1 / one + 1 / two))
     r = scene.simulate(until=8.0, step=1.0)
@@ -129,7 +145,12 @@ DRIVERS = {
 def test_a_driven_hinge_outside_the_tree(driver):
     spec, right = DRIVERS[driver]
     joint = {"revolute": {}, "between": ["ground", "a"], "driver": spec, "output": ["angle"]}
-    scene = Scene(name="driven", body={"a": body()}, joint={"j": joint}, solver={"formulation": "augmented", "tolerance": 1e-6})
+    scene = Scene(
+        name="driven",
+        body={"a": body()},
+        joint={"j": joint},
+        solver={"formulation": "augmented", "tolerance": 1e-6},
+    )
     r = scene.simulate(until=1.5, step=0.5)
     np.testing.assert_allclose(r["j.angle"], right(r["time"]), atol=1e-9)
 
@@ -166,8 +187,18 @@ def test_starts_beyond_a_turn(formulation, first, second):
         solver={"formulation": formulation},
         body={"a": body(), "b": body()},
         joint={
-            "a": {"revolute": {}, "between": ["ground", "a"], "start": {"angle_deg": first, "speed": 4}, "output": ["angle"]},
-            "b": {"revolute": {}, "between": ["ground", "b"], "start": {"angle_deg": second}, "output": ["angle"]},
+            "a": {
+                "revolute": {},
+                "between": ["ground", "a"],
+                "start": {"angle_deg": first, "speed": 4},
+                "output": ["angle"],
+            },
+            "b": {
+                "revolute": {},
+                "between": ["ground", "b"],
+                "start": {"angle_deg": second},
+                "output": ["angle"],
+            },
         },
         coupling={"mesh": {"gear": {"ratio": 10.0}, "between": ["a", "b"]}},
     )

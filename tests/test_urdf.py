@@ -22,7 +22,9 @@ def link(name, inside=""):
 
 
 def joint(name, kind, parent, child, inside=""):
-    return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>'
+    )
 
 
 def robot(*parts, name="robot"):
@@ -45,7 +47,9 @@ def outputs(scene, parameters=None, inputs=None):
     """Outputs of a scene at its start, by name."""
     model = scene.compile()
     places = {v.name: v.index for v in model.of_causality("input")}
-    instance = Instance(model, parameters, inputs={places[name]: value for name, value in (inputs or {}).items()})
+    instance = Instance(
+        model, parameters, inputs={places[name]: value for name, value in (inputs or {}).items()}
+    )
     return dict(zip((v.name for v in model.of_causality("output")), instance.outputs().tolist()))
 
 
@@ -63,7 +67,9 @@ def test_a_pendulum_of_a_turned_inertia(load):
     roll, pitch, yaw = 0.3, -0.4, 0.7
     inertia = f"""<inertial><origin xyz="0.1 -0.2 0.4" rpy="{roll} {pitch} {yaw}"/><mass value="3"/>
         <inertia ixx="0.3" iyy="0.2" izz="0.25" ixy="0.01" ixz="-0.02" iyz="0.03"/></inertial>"""
-    dynamics = '<origin xyz="1 2 3" rpy="0.2 0.1 -0.5"/><axis xyz="1 2 -2"/><dynamics damping="0.7" friction="0.4"/>'
+    dynamics = (
+        '<origin xyz="1 2 3" rpy="0.2 0.1 -0.5"/><axis xyz="1 2 -2"/><dynamics damping="0.7" friction="0.4"/>'
+    )
     scene = load(link("a", SOLID), link("b", inertia), joint("j", "continuous", "a", "b", dynamics))
     scene.joint["j"].output = ["acceleration"]
     angle, speed, torque = 0.8, 1.5, 2.5
@@ -96,7 +102,9 @@ def test_a_slide_falls_and_fixed_links_are_one(load):
     scene.joint["slide"].output = ["acceleration"]
     assert scene.joint["weld"].kind == "fixed"
     assert_allclose(outputs(scene)["slide.acceleration"], -G * np.cos(0.5), rtol=1e-14)
-    assert_allclose(outputs(scene, inputs={"slide.force": 40.0})["slide.acceleration"], 10 - G * np.cos(0.5), rtol=1e-14)
+    assert_allclose(
+        outputs(scene, inputs={"slide.force": 40.0})["slide.acceleration"], 10 - G * np.cos(0.5), rtol=1e-14
+    )
 
 
 def test_mimic_is_a_coupling(load):
@@ -135,7 +143,9 @@ def test_a_mimic_of_what_stands_holds(load):
 
 
 def test_a_mimic_of_nothing_is_told(load):
-    scene = load(link("a", SOLID), link("b", SOLID), joint("left_q2", "revolute", "a", "b", '<mimic joint="left_q1"/>'))
+    scene = load(
+        link("a", SOLID), link("b", SOLID), joint("left_q2", "revolute", "a", "b", '<mimic joint="left_q1"/>')
+    )
     assert "which there is not: it moves by itself" in told(scene, '"left_q2" mimics "left_q1"')
     assert scene.joint["left_q2"].input == ["torque"] and not scene.coupling
 
@@ -185,9 +195,16 @@ def test_limits_are_told_or_stops(load):
     assert_allclose(outputs(scene)["r.angle"], 0.1)
 
 
-@pytest.mark.parametrize("limit", ['lower="0" upper="0"', 'lower="1" upper="-1"', "", 'lower="-inf" upper="inf"'])
+@pytest.mark.parametrize(
+    "limit", ['lower="0" upper="0"', 'lower="1" upper="-1"', "", 'lower="-inf" upper="inf"']
+)
 def test_limits_that_are_none(load, limit):
-    scene = load(link("a", SOLID), link("b", SOLID), joint("j", "revolute", "a", "b", f"<limit {limit}/>"), stop_stiffness=1)
+    scene = load(
+        link("a", SOLID),
+        link("b", SOLID),
+        joint("j", "revolute", "a", "b", f"<limit {limit}/>"),
+        stop_stiffness=1,
+    )
     assert scene.joint["j"].stop is None
 
 
@@ -254,7 +271,9 @@ def test_negative_moments_are_raised_and_told(load):
     """The nearest inertia (by its entries) without a negative moment, in the same principal axes."""
     odd = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="2"/></inertial>'
     scene = load(link("a", odd), link("b", SOLID), joint("j", "fixed", "a", "b"))
-    assert "raised to 0; the principal moments are [-1, 1, 3]" in told(scene, '"a" has a negative principal moment')
+    assert "raised to 0; the principal moments are [-1, 1, 3]" in told(
+        scene, '"a" has a negative principal moment'
+    )
     _, _, I = scene.body["a"].mass_properties()
     assert_allclose(I, [[1.5, 1.5, 0], [1.5, 1.5, 0], [0, 0, 1]], atol=1e-15)
 
@@ -293,7 +312,9 @@ def test_what_a_scene_cannot_say_is_listed(load):
 
 
 def test_a_file_that_says_only_what_a_scene_says_leaves_nothing_out(load):
-    scene = load(link("a", SOLID), link("b", SOLID), joint("j", "continuous", "a", "b", '<dynamics friction="1"/>'))
+    scene = load(
+        link("a", SOLID), link("b", SOLID), joint("j", "continuous", "a", "b", '<dynamics friction="1"/>')
+    )
     assert scene.imported.left_out == [] and len(scene.import_notes) == 1
 
 
@@ -345,7 +366,9 @@ def test_meshes_that_are_not_found(load, tmp_path):
     looks = [visual(f'<mesh filename="package://bot/{name}.stl"/>') for name in "ab"]
     scene = load(link("a", SOLID + "".join(looks)), base="free")
     assert scene.body["a"].shape is None
-    assert told(scene, "looks of").endswith('no folder of the package "bot" found; --package bot=DIR names it')
+    assert told(scene, "looks of").endswith(
+        'no folder of the package "bot" found; --package bot=DIR names it'
+    )
 
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "a.stl").write_text(MESH)
@@ -413,7 +436,9 @@ def test_mistakes_are_told_by_line(tmp_path, text, message):
     with pytest.raises(SceneError) as error:
         mbdfmi.load(path)
 
-    assert error.value.errors[0] == f"{path}: " + message.replace("{path}", str(path)).replace("{{...}}", "{...}")
+    assert error.value.errors[0] == f"{path}: " + message.replace("{path}", str(path)).replace(
+        "{{...}}", "{...}"
+    )
 
 
 def test_all_mistakes_are_told_at_once(load):
@@ -472,11 +497,16 @@ def test_import_writes_a_scene_that_is_the_same(arm, command):
     status, out, said = command("import", "arm.urdf", "-o", "out/arm.toml", "--stop-stiffness", "100,5")
     assert status == 0 and out.startswith("out/arm.toml"), said
     text = (arm / "out" / "arm.toml").read_text()
-    assert text.startswith('# Made from arm.urdf (URDF, robot "arm").\n# Decided:\n# - the base, "a", is fixed to the ground')
-    assert '# limits: effort 3 N m, speed 2 rad/s, -1 to 1 rad\n[joint.j]\n' in text
+    assert text.startswith(
+        '# Made from arm.urdf (URDF, robot "arm").\n# Decided:\n# - the base, "a", is fixed to the ground'
+    )
+    assert "# limits: effort 3 N m, speed 2 rad/s, -1 to 1 rad\n[joint.j]\n" in text
     assert re.search(r"# no body has such moments.*\n\[body.b\]", text)
     assert "note: arm.urdf: [body.b] inertia: no principal moment" in said
-    scene, direct = mbdfmi.load(arm / "out" / "arm.toml"), mbdfmi.load(arm / "arm.urdf", stop_stiffness=(100, 5))
+    scene, direct = (
+        mbdfmi.load(arm / "out" / "arm.toml"),
+        mbdfmi.load(arm / "arm.urdf", stop_stiffness=(100, 5)),
+    )
     assert scene.body["a"].shape[0].mesh.file == "../t.stl"
     assert scene.body["a"].shape[0].mesh.file.path == direct.body["a"].shape[0].mesh.file.path
     scene.body["a"].shape = direct.body["a"].shape = None
@@ -490,7 +520,9 @@ def test_import_to_the_standard_output_and_not_over_its_own_file(arm, command):
     assert status == 1 and "is read by this command" in said
     status, _, said = command("import", "arm.urdf", "-o", "arm.json")
     assert status == 1 and "let its name end in .toml" in said
-    (arm / "scene.toml").write_text('name = "x"\n[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\nfree = {}\nbetween = ["ground", "a"]\n')
+    (arm / "scene.toml").write_text(
+        'name = "x"\n[body.a]\nmass = 1\ninertia = [1, 1, 1]\n[joint.j]\nfree = {}\nbetween = ["ground", "a"]\n'
+    )
     status, _, said = command("import", "scene.toml", "-o", "b.toml")
     assert status == 1 and "is a scene file already" in said and not (arm / "b.toml").exists()
 
@@ -518,10 +550,16 @@ def test_meshes_are_thinned(arm, command):
     ball.apply_translation([1, 2, 3])
     ball.visual.face_colors = [255, 0, 0, 255]
     ball.export(arm / "ball.ply")
-    text = (arm / "arm.urdf").read_text().replace("</visual>", "</visual>" + visual('<mesh filename="ball.ply"/>') * 2, 1)
+    text = (
+        (arm / "arm.urdf")
+        .read_text()
+        .replace("</visual>", "</visual>" + visual('<mesh filename="ball.ply"/>') * 2, 1)
+    )
     (arm / "arm.urdf").write_text(text)
     status, _, said = command("import", "arm.urdf", "-o", "out/arm.toml", "--faces", "200")
-    assert status == 0 and [path.name for path in (arm / "out" / "arm_meshes").iterdir()] == ["ball.glb"], said
+    assert status == 0 and [path.name for path in (arm / "out" / "arm_meshes").iterdir()] == ["ball.glb"], (
+        said
+    )
     assert "1 mesh is thinned to 200 triangles, in arm_meshes/" in (arm / "out" / "arm.toml").read_text()
     shapes = mbdfmi.load(arm / "out" / "arm.toml").body["a"].shape
     assert [shape.mesh.file for shape in shapes] == ["../t.stl", "arm_meshes/ball.glb", "arm_meshes/ball.glb"]

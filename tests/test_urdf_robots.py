@@ -57,7 +57,11 @@ class Reference:
 
         root = (pinocchio.JointModelFreeFlyer(),) if free else ()
         model = pinocchio.buildModelFromUrdf(str(path), *root)
-        still = [k for k, name in enumerate(model.names) if k and name != "root_joint" and plain(name) not in moving]
+        still = [
+            k
+            for k, name in enumerate(model.names)
+            if k and name != "root_joint" and plain(name) not in moving
+        ]
         reduced = pinocchio.buildReducedModel(model, still, pinocchio.neutral(model)) if still else model
         self.pin, self.model = pinocchio, reduced
         self.data = self.model.createData()
@@ -176,7 +180,9 @@ def compared(file, base):
 
         if free:
             body = mbdfmi.scene.fmi_name(root)
-            own = np.append(own, [found[f"{body}.{key}[{i}]"] for key in ("acceleration", "alpha") for i in (1, 2, 3)])
+            own = np.append(
+                own, [found[f"{body}.{key}[{i}]"] for key in ("acceleration", "alpha") for i in (1, 2, 3)]
+            )
             theirs = np.append(theirs, of_base)
 
         assert np.all(np.isfinite(theirs))

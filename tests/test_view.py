@@ -49,14 +49,18 @@ def poses(data):
         for channel in animation["channels"]:
             sampler = animation["samplers"][channel["sampler"]]
             times = arrays[sampler["input"]]
-            moves[channel["target"]["node"], channel["target"]["path"]] = arrays[sampler["output"]].astype(float)
+            moves[channel["target"]["node"], channel["target"]["path"]] = arrays[sampler["output"]].astype(
+                float
+            )
 
     found = {}
 
     def walk(index, r, A):
         node = nodes[index]
         own_r = moves.get((index, "translation"), np.array([node.get("translation", [0, 0, 0])]))
-        own_A = Rotation.from_quat(moves.get((index, "rotation"), np.array([node.get("rotation", [0, 0, 0, 1])]))).as_matrix()
+        own_A = Rotation.from_quat(
+            moves.get((index, "rotation"), np.array([node.get("rotation", [0, 0, 0, 1])]))
+        ).as_matrix()
         r, A = r + np.einsum("nij,nj->ni", A, np.broadcast_to(own_r, (len(times), 3))), A @ own_A
 
         if node.get("extras", {}).get("kind") == "body":
@@ -74,7 +78,9 @@ def poses(data):
     return times, found, turn
 
 
-@pytest.mark.parametrize("name", ["four_bar", "turbine", "bricard", "marble_run", "spinning_hoop", "satellite", "turning_track"])
+@pytest.mark.parametrize(
+    "name", ["four_bar", "turbine", "bricard", "marble_run", "spinning_hoop", "satellite", "turning_track"]
+)
 def test_poses_in_the_glb_are_those_of_the_run(name, check):
     scene = load(name)
     results = scene.simulate(1.0, 0.05)
@@ -114,9 +120,21 @@ def test_poses_of_what_is_not_there_name_what_is(wrong, right):
 def test_commanded_motion_is_drawn_where_it_was():
     scene = mbdfmi.Scene(
         name="lift",
-        body={"car": {"mass": 1.0, "inertia": [1, 1, 1], "output": ["position"]}, "bob": {"mass": 1.0, "inertia": [1, 1, 1], "marker": {"top": {"position": [0, 0, 1]}}, "output": ["position"]}},
+        body={
+            "car": {"mass": 1.0, "inertia": [1, 1, 1], "output": ["position"]},
+            "bob": {
+                "mass": 1.0,
+                "inertia": [1, 1, 1],
+                "marker": {"top": {"position": [0, 0, 1]}},
+                "output": ["position"],
+            },
+        },
         joint={
-            "rail": {"prismatic": {"axis": "z"}, "between": ["ground", "car"], "driver": {"input": ["position"]}},
+            "rail": {
+                "prismatic": {"axis": "z"},
+                "between": ["ground", "car"],
+                "driver": {"input": ["position"]},
+            },
             "pin": {"revolute": {"axis": "y"}, "between": ["car", "bob.top"], "start": {"angle_deg": 20}},
         },
     )
@@ -127,7 +145,12 @@ def test_commanded_motion_is_drawn_where_it_was():
 
 def test_up_is_against_gravity():
     for gravity, up in (([0, 0, -9.81], "z"), ([0, -9.81, 0], "y"), ([3, 0, 0], "-x"), ([0, 9.81, 0], "-y")):
-        scene = mbdfmi.Scene(name="up", gravity=gravity, body={"a": {"mass": 1, "inertia": [1, 1, 1]}}, joint={"j": {"free": {}, "between": ["ground", "a"]}})
+        scene = mbdfmi.Scene(
+            name="up",
+            gravity=gravity,
+            body={"a": {"mass": 1, "inertia": [1, 1, 1]}},
+            joint={"j": {"free": {}, "between": ["ground", "a"]}},
+        )
         _, _, turn = poses(picture(scene, at_start(scene.compile()).states).glb())
         axis = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}[up[-1]]
         np.testing.assert_allclose(turn @ axis, [0, -1 if up[0] == "-" else 1, 0], atol=1e-6)
@@ -149,7 +172,7 @@ def test_forms_are_closed_and_face_outwards(surface):
 
 
 def test_a_box_of_equal_inertia_stands_for_what_has_no_shape():
-    inertia = [3 * (4 + 1) / 12, 3 * (9 + 1) / 12, 3 * (9 + 4) / 12]      # of a box of 3, 2, 1 m, 3 kg
+    inertia = [3 * (4 + 1) / 12, 3 * (9 + 1) / 12, 3 * (9 + 4) / 12]  # of a box of 3, 2, 1 m, 3 kg
     body = {"mass": 3.0, "com": [1, 0, 0], "inertia": inertia}
     scene = mbdfmi.Scene(name="box", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}})
     (piece,) = [p for p in picture(scene, at_start(scene.compile()).states).pieces if p.opacity < 1]
@@ -217,9 +240,14 @@ def pixels(path):
     while at < len(data):
         (length,) = struct.unpack(">I", data[at : at + 4])
         found += data[at + 8 : at + 8 + length] if data[at + 4 : at + 8] == b"IDAT" else b""
-        assert zlib.crc32(data[at + 4 : at + 8 + length]) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        assert (
+            zlib.crc32(data[at + 4 : at + 8 + length])
+            == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
+        )
         at += 12 + length
-    return np.frombuffer(zlib.decompress(found), np.uint8).reshape(height, -1)[:, 1:].reshape(height, width, 3)
+    return (
+        np.frombuffer(zlib.decompress(found), np.uint8).reshape(height, -1)[:, 1:].reshape(height, width, 3)
+    )
 
 
 def test_a_picture_without_a_browser(tmp_path, capsys, monkeypatch):
@@ -284,7 +312,9 @@ def test_the_glb_is_valid(tmp_path, name):
         "const v = require('gltf-validator');"
         "v.validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[1]))).then(r => console.log(JSON.stringify(r.issues)))"
     )
-    found = subprocess.run(["node", "-e", code, str(path)], cwd=ROOT / "viewer", capture_output=True, text=True, check=True)
+    found = subprocess.run(
+        ["node", "-e", code, str(path)], cwd=ROOT / "viewer", capture_output=True, text=True, check=True
+    )
     assert json.loads(found.stdout)["messages"] == []
 
 
@@ -298,7 +328,9 @@ def test_an_fmu_carries_the_pictures_of_its_scene(tmp_path):
             assert image.shape[:2] == size
             hue = np.array(red_green_blue(PALETTE[1]))
             colours = image.reshape(-1, 3) / 255
-            assert ((colours @ hue / np.linalg.norm(colours, axis=1) / np.linalg.norm(hue)) > 0.99).sum() > 100
+            assert (
+                (colours @ hue / np.linalg.norm(colours, axis=1) / np.linalg.norm(hue)) > 0.99
+            ).sum() > 100
         assert b'src="scene.png"' in archive.read("documentation/index.html")
 
 
@@ -322,7 +354,11 @@ def test_the_gallery_has_every_scene():
 
 def test_every_kind_of_curve_and_surface_is_drawn_where_it_is():
     def kinds(module):
-        return {cls.kind for cls in vars(module).values() if isinstance(cls, type) and isinstance(getattr(cls, "kind", None), str)}
+        return {
+            cls.kind
+            for cls in vars(module).values()
+            if isinstance(cls, type) and isinstance(getattr(cls, "kind", None), str)
+        }
 
     given = {
         "plane": ({}, lambda x, y, z: z),
@@ -330,10 +366,17 @@ def test_every_kind_of_curve_and_surface_is_drawn_where_it_is():
         "ellipsoid": ({"semi_axes": [1.0, 2.0, 3.0]}, lambda x, y, z: x**2 + y**2 / 4 + z**2 / 9 - 1),
         "cylinder": ({"radius": 0.5}, lambda x, y, z: x**2 + y**2 - 0.25),
         "torus": ({"radius": 2.0, "tube": 0.5}, lambda x, y, z: (np.hypot(x, y) - 2) ** 2 + z**2 - 0.25),
-        "disk": ({"radius": 1.0}, lambda x, y, z: np.maximum(np.hypot(x, y), 1) - 1 + np.maximum(abs(z), 0.006) - 0.006),
+        "disk": (
+            {"radius": 1.0},
+            lambda x, y, z: np.maximum(np.hypot(x, y), 1) - 1 + np.maximum(abs(z), 0.006) - 0.006,
+        ),
         "prism": ({"profile": {"parabola": {"coefficient": 2.0}}}, lambda x, y, z: y - 2 * x**2),
         "table": (
-            {"s1": [0, 1, 2, 3], "s2": [0, 1, 2, 3], "points": [[[i, j, i * j] for j in range(4)] for i in range(4)]},
+            {
+                "s1": [0, 1, 2, 3],
+                "s2": [0, 1, 2, 3],
+                "points": [[[i, j, i * j] for j in range(4)] for i in range(4)],
+            },
             lambda x, y, z: z - x * y,
         ),
     }
@@ -349,7 +392,10 @@ def test_every_kind_of_curve_and_surface_is_drawn_where_it_is():
         "parabola": ({"coefficient": 0.5}, lambda x, y, z: y - 0.5 * x**2),
         "cycloid": ({"radius": 1.0}, lambda x, y, z: np.abs(x) - np.arccos(1 - y) - np.sin(np.arccos(1 - y))),
         "spline": ({"points": [[0, 0, 0], [1, 1, 1], [2, 2, 2]]}, lambda x, y, z: abs(y - x) + abs(z - x)),
-        "table": ({"s": [0, 1, 3], "points": [[0, 0, 0], [1, 0, 1], [3, 0, 3]]}, lambda x, y, z: abs(z - x) + abs(y)),
+        "table": (
+            {"s": [0, 1, 3], "points": [[0, 0, 0], [1, 0, 1], [3, 0, 3]]},
+            lambda x, y, z: abs(z - x) + abs(y),
+        ),
     }
     assert set(given) == kinds(scene_curves)
     for kind, (options, equation) in given.items():
@@ -360,7 +406,11 @@ def test_every_kind_of_curve_and_surface_is_drawn_where_it_is():
 def holder(**marker):
     """The markers of a scene that has this one."""
     body = {"mass": 1.0, "inertia": [1, 1, 1], "marker": {"m": marker}}
-    return mbdfmi.Scene(name="m", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}}).body["a"].marker.values()
+    return (
+        mbdfmi.Scene(name="m", body={"a": body}, joint={"j": {"free": {}, "between": ["ground", "a"]}})
+        .body["a"]
+        .marker.values()
+    )
 
 
 def test_a_run_of_an_fmu_by_fmpy_can_be_drawn(tmp_path):

@@ -56,15 +56,24 @@ def test_forces_add_up_to_mass_times_acceleration():
     results, times, items = drawn(scene, inputs={"a.force": [1.0, 2.0, -3.0]}, step=0.02)
     assert set(items) == {("f", "reaction", "force"), ("f", "reaction", "moment"), ("s", "spring", "force"),
                           ("l", "load", "force"), ("m", "load", "moment"), ("a", "input", "force")}  # fmt: skip
-    on_body = sum(items[key][0][1] for key in (("f", "reaction", "force"), ("l", "load", "force"), ("a", "input", "force")))
+    on_body = sum(
+        items[key][0][1]
+        for key in (("f", "reaction", "force"), ("l", "load", "force"), ("a", "input", "force"))
+    )
     spring = items["s", "spring", "force"]
     np.testing.assert_allclose(spring[0][1], -spring[1][1], atol=1e-2)
     weight = np.array([0, 0, -9.81 * 2])
     rows = np.searchsorted(results["time"], times - 1e-6)
-    np.testing.assert_allclose(on_body + spring[1][1] + weight, 2 * results["a.acceleration"][rows], atol=0.02)
-    np.testing.assert_allclose(items["m", "load", "moment"][0][1], np.tile([0, 3, 0], (len(times), 1)), atol=1e-3)
+    np.testing.assert_allclose(
+        on_body + spring[1][1] + weight, 2 * results["a.acceleration"][rows], atol=0.02
+    )
+    np.testing.assert_allclose(
+        items["m", "load", "moment"][0][1], np.tile([0, 3, 0], (len(times), 1)), atol=1e-3
+    )
     # they stand where they act
-    np.testing.assert_allclose(items["l", "load", "force"][0][0], results.poses("a.corner")[0][rows], atol=1e-4)
+    np.testing.assert_allclose(
+        items["l", "load", "force"][0][0], results.poses("a.corner")[0][rows], atol=1e-4
+    )
 
 
 @pytest.mark.parametrize("name", ["four_bar", "bricard", "slider_crank"])
@@ -75,8 +84,11 @@ def test_reactions_are_those_that_outputs_give(name):
     results, times, items = drawn(own)
     scene.joint[joint].output = ["reaction_force"]
     asked = scene.simulate(1.0)
-    (_, values), = items[joint, "reaction", "force"]
+    ((_, values),) = items[joint, "reaction", "force"]
     rows = np.searchsorted(asked["time"], times - 1e-6)
     np.testing.assert_allclose(
-        np.linalg.norm(values, axis=1), np.linalg.norm(asked[f"{joint}.reaction_force"][rows], axis=1), rtol=1e-3, atol=1e-3 * np.abs(values).max()
+        np.linalg.norm(values, axis=1),
+        np.linalg.norm(asked[f"{joint}.reaction_force"][rows], axis=1),
+        rtol=1e-3,
+        atol=1e-3 * np.abs(values).max(),
     )

@@ -13,7 +13,9 @@ import mbdfmi
 from mbdfmi.view.picture import picture
 from mbdfmi.view.show import show
 
-playwright = pytest.importorskip("playwright.sync_api", reason="pages are not tried: pip install 'mbdfmi[browser]'")
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason="pages are not tried: pip install 'mbdfmi[browser]'"
+)
 
 MODELS = Path(__file__).parents[1] / "models"
 
@@ -82,7 +84,10 @@ def test_playing_and_scrubbing_move_the_bodies_to_the_recorded_poses(opened, tmp
     page.evaluate("mbdfmi.last -= 70; mbdfmi.frame(performance.now())")
     assert page.evaluate("mbdfmi.time") != before
     # at a row of the run, by the slider
-    page.evaluate("slider => { slider.value = 0.5; slider.dispatchEvent(new Event('input')) }", page.query_selector("#time"))
+    page.evaluate(
+        "slider => { slider.value = 0.5; slider.dispatchEvent(new Event('input')) }",
+        page.query_selector("#time"),
+    )
     assert not page.evaluate("mbdfmi.playing")
     np.testing.assert_allclose(page.evaluate("mbdfmi.time"), 1.0)
     assert_at(page, results, 20)
@@ -113,7 +118,9 @@ def test_what_is_shown_can_be_chosen(opened, tmp_path):
     results = scene.simulate(1.0, 0.1)
     page = opened(results.view(tmp_path / "run.html"))
     # the path goes through the point's positions
-    (line,) = page.evaluate("[...mbdfmi.paths.lines.values()].map(line => [...line.geometry.attributes.position.array])")
+    (line,) = page.evaluate(
+        "[...mbdfmi.paths.lines.values()].map(line => [...line.geometry.attributes.position.array])"
+    )
     np.testing.assert_allclose(np.reshape(line, (-1, 3)), results["coupler.tool.position"], atol=2e-6)
     # the plot reads as the run does
     page.evaluate("mbdfmi.pause(); mbdfmi.seek(0.5)")
@@ -135,7 +142,9 @@ def test_what_is_shown_can_be_chosen(opened, tmp_path):
 
 
 def test_names_do_not_cover_each_other(opened, tmp_path):
-    page = opened(mbdfmi.load(MODELS / "floating_wind_turbine" / "floating_wind_turbine.toml").show(tmp_path / "a.html"))
+    page = opened(
+        mbdfmi.load(MODELS / "floating_wind_turbine" / "floating_wind_turbine.toml").show(tmp_path / "a.html")
+    )
     page.evaluate("mbdfmi.draw()")
     boxes = page.evaluate(
         "[...document.querySelectorAll('.names span')].filter(l => !l.hidden).map(l => { const b = l.getBoundingClientRect();"

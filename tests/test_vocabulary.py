@@ -27,7 +27,10 @@ TABLES = {
 PLAIN = [
     cls
     for cls in vars(joint_classes).values()
-    if isinstance(cls, type) and issubclass(cls, JointBase) and cls.kind and cls not in CONSTRAINTS + END_FRAMES
+    if isinstance(cls, type)
+    and issubclass(cls, JointBase)
+    and cls.kind
+    and cls not in CONSTRAINTS + END_FRAMES
 ]
 
 

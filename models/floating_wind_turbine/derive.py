@@ -1,31 +1,32 @@
 """Print the derived figures of floating_wind_turbine.toml (those marked D) from the published ones.
 
-    python derive.py
+python derive.py
 """
+
 from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
 
-GRAVITY, WATER = 9.80665, 1025.0                # m/s2, kg/m3
+GRAVITY, WATER = 9.80665, 1025.0  # m/s2, kg/m3
 
 # a blade as a line of masses: mass, first and second moment about its root, and the tower with its
 # centre of mass above the base and its transverse inertia about it: the distributed tables of
 # NREL/TP-500-38060 lumped as the reference code ElastoDyn does it
-BLADE = 17737.65376574308, 366284.13911136595, 11887081.151894601       # kg, kg m, kg m2
-TOWER = 347460.2316, 38.192250566691904, 212882806.37776062             # kg, m, kg m2
+BLADE = 17737.65376574308, 366284.13911136595, 11887081.151894601  # kg, kg m, kg m2
+TOWER = 347460.2316, 38.192250566691904, 212882806.37776062  # kg, m, kg m2
 
-TOTAL_MASS, MASS_X, MASS_Z = 6149453.2, -0.023609, 7.005816             # kg, m: all bodies
-ROLL_INERTIA = 4.2861e9                         # kg m2, mean of roll and pitch, about the origin
-HEAVE_STIFFNESS, TILT_STIFFNESS = 16082906.0, 2023430611.0              # N/m, N m/rad: buoyancy
-HEAVE_ADDED, TILT_ADDED = 18630380.0, 1.260259e9                        # kg, kg m2: infinite frequency
-DIAMETER, SIDE, DRAUGHT, VOLUME = 45.1352, 40.0, 4.0, 6000.0            # m, m3
-TILT = radians(5)                               # of the shaft
+TOTAL_MASS, MASS_X, MASS_Z = 6149453.2, -0.023609, 7.005816  # kg, m: all bodies
+ROLL_INERTIA = 4.2861e9  # kg m2, mean of roll and pitch, about the origin
+HEAVE_STIFFNESS, TILT_STIFFNESS = 16082906.0, 2023430611.0  # N/m, N m/rad: buoyancy
+HEAVE_ADDED, TILT_ADDED = 18630380.0, 1.260259e9  # kg, kg m2: infinite frequency
+DIAMETER, SIDE, DRAUGHT, VOLUME = 45.1352, 40.0, 4.0, 6000.0  # m, m3
+TILT = radians(5)  # of the shaft
 
 
 def blade():
     """Centre of mass from the root (m) and transverse inertia about it (kg m2)."""
     mass, first, second = BLADE
-    return first / mass, second - first ** 2 / mass
+    return first / mass, second - first**2 / mass
 
 
 def root(azimuth, radius=1.5, cone=radians(2.5)):
@@ -37,7 +38,7 @@ def root(azimuth, radius=1.5, cone=radians(2.5)):
 
 def yaw_about_com(about_yaw_axis=2607890.0, mass=240000.0, offset=1.9):
     """The nacelle's yaw inertia about its centre of mass, kg m2 (parallel axes)."""
-    return about_yaw_axis - mass * offset ** 2
+    return about_yaw_axis - mass * offset**2
 
 
 def damping():

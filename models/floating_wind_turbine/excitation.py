@@ -5,11 +5,12 @@ C. J. R. Garrett: Wave forces on a circular dock, J. Fluid Mech. 46 (1971) 129: 
 sum of eigenfunctions in the water around the cylinder and another in the water below it, matched
 where they meet.
 """
+
 import numpy as np
 from scipy.special import h2vp, hankel2, ive, jv, jvp, kve
 
-GRAVITY = 9.80665                       # m/s2
-WATER = 1025.0                          # kg/m3
+GRAVITY = 9.80665  # m/s2
+WATER = 1025.0  # kg/m3
 
 
 def cylinder_excitation(omega, radius, draught, depth, around=80, below=60):
@@ -21,7 +22,7 @@ def cylinder_excitation(omega, radius, draught, depth, around=80, below=60):
     """
     # wave numbers of the water around: i k of the wave itself, then the evanescent ones, from
     # omega^2 / g = -kappa tan(kappa depth) by fixed points
-    nu = omega ** 2 / GRAVITY
+    nu = omega**2 / GRAVITY
     k = nu
     for _ in range(200):
         k = nu / np.tanh(k * depth)
@@ -41,13 +42,13 @@ def cylinder_excitation(omega, radius, draught, depth, around=80, below=60):
     def overlap(x):
         return np.sin(x * gap) / x
 
-    shift = 1e-12                                       # keeps 0 / 0 away where both are zero
+    shift = 1e-12  # keeps 0 / 0 away where both are zero
     product = (overlap(kappa[:, None] + lam + shift) + overlap(kappa[:, None] - lam + shift)) / 2
     product = (product / norm[:, None]).real
 
     # integrals over the wetted side of an eigenfunction and of z times it
     def first_moment(s):
-        return (s - depth) * np.sin(kappa * s) / kappa + np.cos(kappa * s) / kappa ** 2
+        return (s - depth) * np.sin(kappa * s) / kappa + np.cos(kappa * s) / kappa**2
 
     side = (np.sin(kappa * depth) - np.sin(kappa * gap)) / kappa / norm
     side_z = (first_moment(depth) - first_moment(gap)) / norm
@@ -59,20 +60,21 @@ def cylinder_excitation(omega, radius, draught, depth, around=80, below=60):
         wave = (1 + m) * (-1j) ** m * norm[0] / np.cosh(k * depth)
         head = np.r_[wave * jv(m, k * radius), np.zeros(around - 1)]
         slope = np.r_[wave * k * jvp(m, k * radius), np.zeros(around - 1)]
-        slope_around = np.r_[k * h2vp(m, k * radius) / hankel2(m, k * radius),
-                             evanescent * (m / x_around - kve(m + 1, x_around) / kve(m, x_around))]
-        slope_below = np.r_[m / radius,
-                            lam[1:] * (m / x_below + ive(m + 1, x_below) / ive(m, x_below))]
+        slope_around = np.r_[
+            k * h2vp(m, k * radius) / hankel2(m, k * radius),
+            evanescent * (m / x_around - kve(m + 1, x_around) / kve(m, x_around)),
+        ]
+        slope_below = np.r_[m / radius, lam[1:] * (m / x_below + ive(m + 1, x_below) / ive(m, x_below))]
         coupling = product * (slope_below / norm_below) @ product.T
         scattered = np.linalg.solve(np.diag(slope_around) - coupling, coupling @ head - slope)
         return head + scattered, product.T @ (head + scattered) / norm_below
 
     _, under = amplitudes(0)
-    disc = np.r_[radius ** 2 / 2, radius / lam[1:] * ive(1, x_below) / ive(0, x_below)]
+    disc = np.r_[radius**2 / 2, radius / lam[1:] * ive(1, x_below) / ive(0, x_below)]
     heave = 2 * np.pi * np.sum(sign * under * disc)
 
     beside, under = amplitudes(1)
-    disc = np.r_[radius ** 3 / 4, radius ** 2 / lam[1:] * ive(2, x_below) / ive(1, x_below)]
+    disc = np.r_[radius**3 / 4, radius**2 / lam[1:] * ive(2, x_below) / ive(1, x_below)]
     surge = -np.pi * radius * np.sum(beside * side)
     pitch = -np.pi * radius * np.sum(beside * side_z) - np.pi * np.sum(sign * under * disc)
 

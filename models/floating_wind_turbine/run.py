@@ -1,8 +1,9 @@
 """Sail the floating wind turbine: four FMUs coupled for ten minutes, to a CSV file and a plot.
 
-    python run.py
-    python run.py --hs 4 --tp 10 --wind 16 --until 300 --out storm
+python run.py
+python run.py --hs 4 --tp 10 --wind 16 --until 300 --out storm
 """
+
 import argparse
 import sys
 from math import cos, pi, sin
@@ -24,7 +25,7 @@ from mbdfmi.files import replacing
 
 HERE = Path(__file__).resolve().parent
 SCENE = HERE / "floating_wind_turbine.toml"
-FOREIGN = {                                     # built with PythonFMU: another maker's FMUs
+FOREIGN = {  # built with PythonFMU: another maker's FMUs
     "sea": ("sea.py", "excitation.py"),
     "rotor": ("rotor.py", "blade_element.py"),
     "controller": ("controller.py",),
@@ -62,9 +63,10 @@ def build(folder):
 
 def operating_point(wind):
     """Rotor speed (rad/s), blade pitch (rad) and thrust (N) of the steady state in a wind, m/s."""
+
     def load(speed, pitch):
         thrust, torque = rotor_coefficients(np.array(speed * RADIUS / wind), np.array(pitch))
-        force = AIR_DENSITY / 2 * wind ** 2 * pi * RADIUS ** 2
+        force = AIR_DENSITY / 2 * wind**2 * pi * RADIUS**2
         return force * thrust, force * RADIUS * torque
 
     def excess(speed, pitch):
@@ -135,25 +137,55 @@ def arguments():
         "--wind 8 runs below rated power, where the torque law alone is at work; "
         "--hs 0.001 leaves a flat sea.",
     )
-    parser.add_argument("--until", type=float, default=600.0, metavar="S",
-                        help="length of the run, s (default %(default)s)")
-    parser.add_argument("--step", type=float, default=0.05, metavar="S",
-                        help="communication step, s: the FMUs know nothing of each other in "
-                        "between, so it must resolve waves and controller (default %(default)s)")
-    parser.add_argument("--hs", type=float, default=2.0, metavar="M",
-                        help="significant wave height, m: mean of the highest third "
-                        "(default %(default)s)")
-    parser.add_argument("--tp", type=float, default=8.0, metavar="S",
-                        help="peak period of the waves, s (default %(default)s)")
-    parser.add_argument("--gamma", type=float, default=3.3, metavar="X",
-                        help="peakedness of the JONSWAP spectrum, 1 to 7 (default %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, metavar="N",
-                        help="another number, another sea of the same kind (default %(default)s)")
-    parser.add_argument("--wind", type=float, default=12.0, metavar="M/S",
-                        help="steady wind, m/s, 5 to 25; rated is 11.4 (default %(default)s)")
-    parser.add_argument("--out", type=Path, default=Path("out/floating_wind_turbine"),
-                        metavar="PATH", help="results go to PATH.csv and PATH.png, FMUs to fmus/ "
-                        "beside them (default %(default)s)")
+    parser.add_argument(
+        "--until", type=float, default=600.0, metavar="S", help="length of the run, s (default %(default)s)"
+    )
+    parser.add_argument(
+        "--step",
+        type=float,
+        default=0.05,
+        metavar="S",
+        help="communication step, s: the FMUs know nothing of each other in "
+        "between, so it must resolve waves and controller (default %(default)s)",
+    )
+    parser.add_argument(
+        "--hs",
+        type=float,
+        default=2.0,
+        metavar="M",
+        help="significant wave height, m: mean of the highest third (default %(default)s)",
+    )
+    parser.add_argument(
+        "--tp", type=float, default=8.0, metavar="S", help="peak period of the waves, s (default %(default)s)"
+    )
+    parser.add_argument(
+        "--gamma",
+        type=float,
+        default=3.3,
+        metavar="X",
+        help="peakedness of the JONSWAP spectrum, 1 to 7 (default %(default)s)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=1,
+        metavar="N",
+        help="another number, another sea of the same kind (default %(default)s)",
+    )
+    parser.add_argument(
+        "--wind",
+        type=float,
+        default=12.0,
+        metavar="M/S",
+        help="steady wind, m/s, 5 to 25; rated is 11.4 (default %(default)s)",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("out/floating_wind_turbine"),
+        metavar="PATH",
+        help="results go to PATH.csv and PATH.png, FMUs to fmus/ beside them (default %(default)s)",
+    )
     options = parser.parse_args()
 
     for name in ("until", "step", "hs", "tp"):
@@ -178,24 +210,41 @@ def main():
     parameters = start_values(options.wind)
     parameters |= {f"sea.{name}": getattr(options, name) for name in ("hs", "tp", "gamma", "seed")}
 
-    bar = Progress(TextColumn("sailing"), BarColumn(), TextColumn("{task.completed:.0f} s"),
-                   TimeRemainingColumn(), console=console)
+    bar = Progress(
+        TextColumn("sailing"),
+        BarColumn(),
+        TextColumn("{task.completed:.0f} s"),
+        TimeRemainingColumn(),
+        console=console,
+    )
     try:
         with bar:
             task = bar.add_task("", total=options.until)
-            results = couple(paths, CONNECTIONS, options.until, options.step, parameters,
-                             progress=lambda time: bar.update(task, completed=time))
+            results = couple(
+                paths,
+                CONNECTIONS,
+                options.until,
+                options.step,
+                parameters,
+                progress=lambda time: bar.update(task, completed=time),
+            )
     except CouplingError as error:
         sys.exit(f"error: {error}")
 
     csv, png = options.out.with_suffix(".csv"), options.out.with_suffix(".png")
     results.to_csv(csv)
-    plot(results, png, f"NREL 5-MW on the ITI Energy barge: Hs {options.hs:g} m, Tp {options.tp:g} s, "
-         f"wind {options.wind:g} m/s")
+    plot(
+        results,
+        png,
+        f"NREL 5-MW on the ITI Energy barge: Hs {options.hs:g} m, Tp {options.tp:g} s, "
+        f"wind {options.wind:g} m/s",
+    )
 
     pitch = np.degrees(results["turbine.platform.zyx"][:, 1])
-    console.print(f"platform pitch {pitch.min():.2f} to {pitch.max():.2f} deg, mean electric power "
-                  f"{results['controller.power'].mean() / 1e6:.2f} MW\n{csv}\n{png}")
+    console.print(
+        f"platform pitch {pitch.min():.2f} to {pitch.max():.2f} deg, mean electric power "
+        f"{results['controller.power'].mean() / 1e6:.2f} MW\n{csv}\n{png}"
+    )
 
 
 if __name__ == "__main__":

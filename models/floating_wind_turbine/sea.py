@@ -1,10 +1,11 @@
 """An irregular sea and its loads on the barge, as an FMU of its own: `pythonfmu build -f sea.py`."""
+
 import numpy as np
 from excitation import cylinder_excitation
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
-RADIUS = np.sqrt(40.0 * 40.0 / np.pi)           # m, of the barge's waterplane
-DRAUGHT, DEPTH = 4.0, 150.0                     # m
+RADIUS = np.sqrt(40.0 * 40.0 / np.pi)  # m, of the barge's waterplane
+DRAUGHT, DEPTH = 4.0, 150.0  # m
 COMPONENTS = 300
 
 
@@ -12,8 +13,8 @@ def jonswap(omega, tp, gamma):
     """Shape (n,) of the JONSWAP spectrum at angular frequencies omega (n,), rad/s."""
     peak = 2 * np.pi / tp
     width = np.where(omega <= peak, 0.07, 0.09)
-    enhancement = gamma ** np.exp(-((omega - peak) / (width * peak)) ** 2 / 2)
-    return omega ** -5.0 * np.exp(-1.25 * (peak / omega) ** 4) * enhancement
+    enhancement = gamma ** np.exp(-(((omega - peak) / (width * peak)) ** 2) / 2)
+    return omega**-5.0 * np.exp(-1.25 * (peak / omega) ** 4) * enhancement
 
 
 class Sea(Fmi2Slave):
@@ -31,12 +32,22 @@ class Sea(Fmi2Slave):
 
         self.time = 0.0
         self.hs, self.tp, self.gamma, self.seed = 2.0, 8.0, 3.3, 1.0
-        self.drawn = self.seen = None               # the parameters and the time of what is kept
+        self.drawn = self.seen = None  # the parameters and the time of what is kept
 
-        for name, text in (("hs", "significant wave height, m"), ("tp", "peak period, s"),
-                           ("gamma", "peak enhancement factor"), ("seed", "seed of the phases")):
-            self.register_variable(Real(name, causality=Fmi2Causality.parameter, description=text,
-                                        variability=Fmi2Variability.fixed))
+        for name, text in (
+            ("hs", "significant wave height, m"),
+            ("tp", "peak period, s"),
+            ("gamma", "peak enhancement factor"),
+            ("seed", "seed of the phases"),
+        ):
+            self.register_variable(
+                Real(
+                    name,
+                    causality=Fmi2Causality.parameter,
+                    description=text,
+                    variability=Fmi2Variability.fixed,
+                )
+            )
 
         self._output("elevation", "wave elevation at the origin, m", 0)
         for i in (1, 2, 3):
@@ -50,8 +61,9 @@ class Sea(Fmi2Slave):
         return True
 
     def _output(self, name, text, row):
-        self.register_variable(Real(name, causality=Fmi2Causality.output, description=text,
-                                    getter=lambda: self._now()[row]))
+        self.register_variable(
+            Real(name, causality=Fmi2Causality.output, description=text, getter=lambda: self._now()[row])
+        )
 
     def _now(self):
         """Elevation, force (3), moment (3) at the present time."""

@@ -74,7 +74,15 @@ class Copy:
         shutil.copytree(PACKAGE, self.root / "mbdfmi", ignore=skip)
         shutil.copytree(ROOT / "tests", self.root / "tests", ignore=skip)
 
-        for name in ("benchmarks", "models", "docs", "fmu_src", "pyproject.toml", "README.md", "build_fmu.py"):
+        for name in (
+            "benchmarks",
+            "models",
+            "docs",
+            "fmu_src",
+            "pyproject.toml",
+            "README.md",
+            "build_fmu.py",
+        ):
             (self.root / name).symlink_to(ROOT / name)
 
         return self

@@ -100,4 +100,3 @@ def test_mendings_can_be_undone(undone):
 
 def test_every_rule_is_undone():
     assert {undone.rule for undone in UNDONE} == set(range(1, 14))
-

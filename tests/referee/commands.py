@@ -31,7 +31,11 @@ def met(plan, run):
         owner, _, quantity = name.rpartition(".")
         output = f"{owner}.{OUTPUT.get(quantity)}"
 
-        if output not in columns or signal.told or any(f"{owner}.{speed}" in plan.signals for speed in SPEEDS):
+        if (
+            output not in columns
+            or signal.told
+            or any(f"{owner}.{speed}" in plan.signals for speed in SPEEDS)
+        ):
             continue
 
         for row in rows:

@@ -57,7 +57,9 @@ class Reference:
         self.times, self.phases = np.array(run.times), np.array(run.phases)
         self.values = np.array(run.values)
         self.groups = {
-            g: c for g, c in groups(run.names).items() if not g.startswith(APART) and g not in exact.undetermined
+            g: c
+            for g, c in groups(run.names).items()
+            if not g.startswith(APART) and g not in exact.undetermined
         }
         of_unit = {}
 
@@ -254,7 +256,17 @@ def same(run, other, why):
 
         if len(differ):
             c = int(differ[0])
-            return [Finding("not the same", str(run.way), run.names[c], run.times[k], run.values[k][c],
-                            other.values[k][c], 0.0, why)]
+            return [
+                Finding(
+                    "not the same",
+                    str(run.way),
+                    run.names[c],
+                    run.times[k],
+                    run.values[k][c],
+                    other.values[k][c],
+                    0.0,
+                    why,
+                )
+            ]
 
     return []

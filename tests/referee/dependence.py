@@ -83,7 +83,8 @@ def told(model):
 
     for section, more in (("Outputs", set()), ("InitialUnknowns", parameters)):
         unknowns = {
-            int(u.get("index")) - 1: u.get("dependencies") for u in root.findall(f"ModelStructure/{section}/Unknown")
+            int(u.get("index")) - 1: u.get("dependencies")
+            for u in root.findall(f"ModelStructure/{section}/Unknown")
         }
 
         for k, v in enumerate(model.of_causality("output"), n_u):

@@ -34,7 +34,8 @@ def used(scene, folder):
         found.append(_finding("a table has another number of lines than communication points"))
 
     found += [
-        _finding(text) for text in (*_kept(path, folder), *_through(scene, path, folder, wanted), *_no_scene(folder))
+        _finding(text)
+        for text in (*_kept(path, folder), *_through(scene, path, folder, wanted), *_no_scene(folder))
     ]
     return found
 

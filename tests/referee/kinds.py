@@ -111,13 +111,22 @@ def grounds():
         },
         "elliptic orbit": {
             "elliptic_orbit": {
-                "semi_major_axis": 3.0, "eccentricity": 0.4, "period": 9.0, "inclination_deg": 40, "node_deg": 20,
-                "periapsis_deg": -70, "true_anomaly_deg": 120,
+                "semi_major_axis": 3.0,
+                "eccentricity": 0.4,
+                "period": 9.0,
+                "inclination_deg": 40,
+                "node_deg": 20,
+                "periapsis_deg": -70,
+                "true_anomaly_deg": 120,
             }
         },
         "elliptic orbit that keeps its axes": {
             "elliptic_orbit": {
-                "semi_major_axis": 3.0, "eccentricity": 0.7, "mu": 8.0, "mean_anomaly_deg": -20, "pointing": False,
+                "semi_major_axis": 3.0,
+                "eccentricity": 0.7,
+                "mu": 8.0,
+                "mean_anomaly_deg": -20,
+                "pointing": False,
             }
         },
         "cubic": {"table": {"time": WAVE, "position": place, "zyx_deg": angles, "interpolation": "cubic"}},
@@ -189,14 +198,25 @@ def efforts():
 
     for k, ground in enumerate(({}, {"motion": {"rotation": {"axis": [1, 1, 3], "speed_deg": 80}}})):
         found[f"rotors {k}"] = pair(
-            hinge(turning={"inertia": 0.02, "ratio": -12.0}, damper=0.1, start={"angle": 0.4, "speed": 1.0}, input="torque"),
+            hinge(
+                turning={"inertia": 0.02, "ratio": -12.0},
+                damper=0.1,
+                start={"angle": 0.4, "speed": 1.0},
+                input="torque",
+            ),
             slide(turning={"inertia": 0.03, "ratio": 9.0}, start={"position": 0.1, "speed": -0.6}),
             ground=ground,
         )
         driver = {"driver": {"harmonic": {"amplitude": 0.4, "frequency": 1.2}}}
         found[f"driven rotors, backwards {k}"] = pair(
-            slide(turning={"inertia": 0.02, "ratio": -12.0}, between=["a", "ground.post"], **(driver if k else {})),
-            hinge(turning={"inertia": 0.03, "ratio": 9.0}, between=["b.side", "a.end"], **({} if k else driver)),
+            slide(
+                turning={"inertia": 0.02, "ratio": -12.0},
+                between=["a", "ground.post"],
+                **(driver if k else {}),
+            ),
+            hinge(
+                turning={"inertia": 0.03, "ratio": 9.0}, between=["b.side", "a.end"], **({} if k else driver)
+            ),
             ground=ground,
         )
 
@@ -205,10 +225,18 @@ def efforts():
     for q, v in ((0.7, 0.9), (0.7, -3.0), (-0.9, -0.4), (-0.9, 4.0), (0.1, 0.05)):
         stop = {"lower_deg": -25, "upper": 0.5, "stiffness": 40, "damping": 6}
         found[f"friction and stops at {q}, {v}"] = pair(
-            hinge(friction=friction, stop=stop, spring={"stiffness": 3, "rest_deg": 20},
-                  start={"angle": q, "speed": v}),
-            slide(friction={"coulomb": 0.4}, stop={"upper": 0.5, "stiffness": 30},
-                  start={"position": q, "speed": v}, damper=0.3),
+            hinge(
+                friction=friction,
+                stop=stop,
+                spring={"stiffness": 3, "rest_deg": 20},
+                start={"angle": q, "speed": v},
+            ),
+            slide(
+                friction={"coulomb": 0.4},
+                stop={"upper": 0.5, "stiffness": 30},
+                start={"position": q, "speed": v},
+                damper=0.3,
+            ),
         )
 
     return found
@@ -289,8 +317,14 @@ def forces():
         joint={"f": {"free": {}, "between": ["a.tip", "ground"], "start": start}},
     )
     del found["central"]["gravity"]
-    found["central, with its gradient"] = found["central"] | {"central_gravity": {"mu": 9.0, "gradient": True}}
-    turns = {"position_deg": [-900.0, 0.0, 60.0, 900.0], "effort": [-9.0, 0.0, 2.0, 11.0], "interpolation": "monotone"}
+    found["central, with its gradient"] = found["central"] | {
+        "central_gravity": {"mu": 9.0, "gradient": True}
+    }
+    turns = {
+        "position_deg": [-900.0, 0.0, 60.0, 900.0],
+        "effort": [-9.0, 0.0, 2.0, 11.0],
+        "interpolation": "monotone",
+    }
 
     for k, options in enumerate(({"stiffness": 3, "rest_deg": 500, "damping": 0.3}, {"table": turns})):
         found[f"torsion {k}"] = pair(
@@ -378,7 +412,11 @@ def contacts():
             )
 
             spin = {"spin": "free"} if name in ("circle", "path", "torus", "plane") else {}
-            side = {"side": [0.1, 0.2, 1]} if what == "curve" and name in ("ring", "path", "table", "circle") else {}
+            side = (
+                {"side": [0.1, 0.2, 1]}
+                if what == "curve" and name in ("ring", "path", "table", "circle")
+                else {}
+            )
             found[f"frame on {what} {name}"] = copy.deepcopy(found[f"point on {what} {name}"])
             found[f"frame on {what} {name}"]["joint"]["c"] = {
                 f"frame_on_{what}": spin | side, "between": ["ground.track", "a.end"],

@@ -27,7 +27,12 @@ GAP = 1e-7
 UNIT = 1e-12
 
 # coordinates of joints -> their speeds; how far a coordinate and the integral of its speed may part, of the largest value
-SPEEDS = {"angle": ("speed", "angular_speed"), "position": ("speed",), "angles": ("speeds",), "s": ("s_rate",)}
+SPEEDS = {
+    "angle": ("speed", "angular_speed"),
+    "position": ("speed",),
+    "angles": ("speeds",),
+    "s": ("s_rate",),
+}
 COURSE = 1e-7
 
 
@@ -202,7 +207,9 @@ def courses(integrals, count):
                 if off[c] > allowed:
                     text = "change over the interval that ends there, and the integral of its speed"
                     at = i.run.times[i.ends[k]]
-                    found.append(Finding("course", str(i.run.way), name, at, change[k][c], way[k][c], allowed, text))
+                    found.append(
+                        Finding("course", str(i.run.way), name, at, change[k][c], way[k][c], allowed, text)
+                    )
                     break
 
     return found
@@ -305,7 +312,9 @@ def mass_and_gravity(scene, plan):
 def drivers(data):
     """The drivers of joints, of prescribed ones each of theirs."""
     found = [(joint, joint["driver"]) for joint in data.get("joint", {}).values() if joint.get("driver")]
-    return [one for joint, driver in found for one in (driver.values() if "prescribed" in joint else [driver])]
+    return [
+        one for joint, driver in found for one in (driver.values() if "prescribed" in joint else [driver])
+    ]
 
 
 def jumps(data):

@@ -126,7 +126,9 @@ class Plan:
             return self
 
         others = {
-            name: Signal(self.points[:1], np.pad(np.atleast_2d(c), ((0, 0), (0, N_DERIVATIVE - len(c)))), False)
+            name: Signal(
+                self.points[:1], np.pad(np.atleast_2d(c), ((0, 0), (0, N_DERIVATIVE - len(c)))), False
+            )
             for name, c in signals.items()
         }
         return replace(self, signals=self.signals | others, bound=True)

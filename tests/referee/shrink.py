@@ -82,6 +82,7 @@ def _groups(items):
 
 # whole entries
 
+
 def _without_entries(search):
     for table in TABLES[:-1]:
         for names in _groups(search.data.get(table, {})):
@@ -141,6 +142,7 @@ def _remove_bodies(data, names, hang):
 
 
 # keys, items of lists, ends
+
 
 def _places(value, path=()):
     """Paths of all keys below a table, outer ones first."""
@@ -203,6 +205,7 @@ def _plain_end(data, table, name, k):
 
 
 # tables and numbers
+
 
 def _without_points(search):
     """Fewer points of tables: the same one out of all their columns."""

@@ -36,7 +36,14 @@ JOINT = {
     "surface_on_surface": ["s", "s_rate", "contact_point", "normal_force"],
     "rolling_surface": ["s", "s_rate", "contact_point", "normal_force", "friction_force"],
     "prescribed": [
-        "position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega", "driver_force", "driver_torque",
+        "position",
+        "velocity",
+        "euler_parameters",
+        "zyx",
+        "zyx_rate",
+        "omega",
+        "driver_force",
+        "driver_torque",
     ],
 }
 SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}

@@ -62,7 +62,9 @@ def ways(plan):
 def reference(plan, ways):
     model = model_of(DATA, Way())
     units = {v.name: v.unit for v in model.of_causality("output")}
-    return compare.Reference(run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units, Exactness())
+    return compare.Reference(
+        run(DATA, plan, ways.reference), [run(DATA, plan, way) for way in ways.kicked], units, Exactness()
+    )
 
 
 @pytest.fixture
@@ -89,7 +91,9 @@ def broken(result, name, row, change):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_random_scenes_stand(seed, interpreter):
-    verdict = judge(draw(seed, size=1 + seed % 4), seed, interpreter if seed % 4 == 0 else None, fmu=seed % 2 == 0, n=2)
+    verdict = judge(
+        draw(seed, size=1 + seed % 4), seed, interpreter if seed % 4 == 0 else None, fmu=seed % 2 == 0, n=2
+    )
     assert verdict.findings == []
 
 
@@ -137,7 +141,9 @@ def test_two_thousand_scenes(focus, tmp_path_factory):
     """Goes on where it was stopped: lines of verdicts stand in referee/ in the working folder."""
     n = 500 if focus is None else -(-1500 // len(FOCUS))
     more = [] if focus is None else ["--focus", focus]
-    assert main(["--seed", "1", "--scenes", str(n), "--out", "referee", "--resume", "referee.jsonl", *more]) == 0
+    assert (
+        main(["--seed", "1", "--scenes", str(n), "--out", "referee", "--resume", "referee.jsonl", *more]) == 0
+    )
 
 
 # ways against each other
@@ -151,7 +157,9 @@ def test_what_is_right_is_not_found(good, reference, plan, interpreter):
     assert compare.near(reference, interpreter.run(DATA, plan, good.way), count, twin=good) == []
 
 
-@pytest.mark.parametrize("name", ["bob.position[1]", "slide.speed", "bob.alpha[2]", "ball.reaction_force[3]", "total_energy"])
+@pytest.mark.parametrize(
+    "name", ["bob.position[1]", "slide.speed", "bob.alpha[2]", "ball.reaction_force[3]", "total_energy"]
+)
 @pytest.mark.parametrize("row", [5, -1])
 def test_one_value_that_is_off(good, reference, name, row):
     off = broken(good, name, row, lambda x: x + 0.1)
@@ -223,7 +231,9 @@ def test_energy_and_momentum(fine, reference, plan):
 
     def balances(result):
         integrals = laws.Integrals(result)
-        found = laws.energy(integrals, reference, Count()) + laws.momentum(integrals, reference, Count(), *masses)
+        found = laws.energy(integrals, reference, Count()) + laws.momentum(
+            integrals, reference, Count(), *masses
+        )
         return [finding.variable for finding in found]
 
     assert balances(fine) == []
@@ -249,14 +259,18 @@ def test_a_coordinate_that_loses_a_turn(fine):
 # starts, notices, files
 
 
-@pytest.mark.parametrize("name", ["slide.position", "slide.speed", "ball.euler_parameters[1]", "ball.omega[3]"])
+@pytest.mark.parametrize(
+    "name", ["slide.position", "slide.speed", "ball.euler_parameters[1]", "ball.omega[3]"]
+)
 def test_a_start_that_was_moved_untold(good, name):
     assert starts.kept(DATA, good) == []
     moved = broken(good, name, 0, lambda x: x + 1e-5)
     (finding,) = starts.kept(DATA, moved)
     assert finding.variable == name.partition("[")[0]
     joint = name.partition(".")[0]
-    assert starts.kept(DATA, replace(moved, notices=[f"the speed of {joint} at the start is given as …"])) == []
+    assert (
+        starts.kept(DATA, replace(moved, notices=[f"the speed of {joint} at the start is given as …"])) == []
+    )
 
 
 @pytest.mark.parametrize(
@@ -306,7 +320,9 @@ def test_commands_that_treat_files_otherwise(tmp_path, monkeypatch, status):
     monkeypatch.setattr(files, "WAITS", 0.01)
     (tmp_path / "table.csv").write_text("time\n0\n")
     text = " ".join(finding.text for finding in files.used(Scene.model_validate(DATA), tmp_path))
-    words = ("number of lines", "arm.xml") + (("written over", "table.png", "link points", "out of a pipe") if status == 0 else ("into a pipe",))
+    words = ("number of lines", "arm.xml") + (
+        ("written over", "table.png", "link points", "out of a pipe") if status == 0 else ("into a pipe",)
+    )
     assert all(word in text for word in words)
 
 
@@ -317,8 +333,16 @@ def test_commands_that_treat_files_otherwise(tmp_path, monkeypatch, status):
     "method, change, words",
     [
         ("step", lambda whole: lambda self, H: None, ["a step of -0.001 s is taken"]),
-        ("prepare", lambda whole: lambda self: None, ["solver.tolerance = 0.5 is taken", "sledge.com[1] = 1e+200 is taken"]),
-        ("outputs", lambda whole: lambda self: 1.0 * self.u, ["outputs with slide.force = nan are not finite"]),
+        (
+            "prepare",
+            lambda whole: lambda self: None,
+            ["solver.tolerance = 0.5 is taken", "sledge.com[1] = 1e+200 is taken"],
+        ),
+        (
+            "outputs",
+            lambda whole: lambda self: 1.0 * self.u,
+            ["outputs with slide.force = nan are not finite"],
+        ),
     ],
 )
 def test_an_instance_that_takes_all(monkeypatch, method, change, words):
@@ -330,7 +354,9 @@ def test_an_instance_that_takes_all(monkeypatch, method, change, words):
 
 
 def test_what_is_odd_on_the_way_is_found(good):
-    assert [finding.verdict for finding in laws.always(replace(good, odd=["a step is taken back"]), DATA)] == ["odd"]
+    assert [
+        finding.verdict for finding in laws.always(replace(good, odd=["a step is taken back"]), DATA)
+    ] == ["odd"]
 
 
 def test_a_parameter_that_is_set_to_what_it_is(plan):
@@ -344,7 +370,13 @@ def test_a_parameter_that_is_set_to_what_it_is(plan):
 
 @pytest.mark.parametrize(
     "amplitude, tolerance, until, points, steps",
-    [(1.9, 6e-8, 3.0, 10, 5), (1.8, 1e-7, 2.0, 10, 3), (1.5, 2e-8, 3.0, 8, 5), (1.8, 4e-9, 2.0, 8, 5), (1.9, 2e-9, 2.0, 10, 3)],
+    [
+        (1.9, 6e-8, 3.0, 10, 5),
+        (1.8, 1e-7, 2.0, 10, 3),
+        (1.5, 2e-8, 3.0, 8, 5),
+        (1.8, 4e-9, 2.0, 8, 5),
+        (1.9, 2e-9, 2.0, 10, 3),
+    ],
 )
 def test_a_wheel_taken_along_by_a_one_way_clutch(amplitude, tolerance, until, points, steps):
     """It takes the shaft's peak speed at once and keeps it, at every communication point: the kink of the clutch lies between
@@ -354,7 +386,12 @@ def test_a_wheel_taken_along_by_a_one_way_clutch(amplitude, tolerance, until, po
     one_way = {"table": {"speed": [-10, -0.01, 0, 0.01, 10], "effort": [-1000, -1, 0, 0, 0]}}
     clutch = {"revolute": {}, "between": ["shaft", "wheel"], "start": {"speed": -peak}, "damper": one_way}
     drive = {"revolute": {}, "between": ["ground", "shaft"], "driver": swing}
-    data = {"name": "clutch", "gravity": [0, 0, 0], "body": {"shaft": body, "wheel": body}, "joint": {"drive": drive, "clutch": clutch}}
+    data = {
+        "name": "clutch",
+        "gravity": [0, 0, 0],
+        "body": {"shaft": body, "wheel": body},
+        "joint": {"drive": drive, "clutch": clutch},
+    }
     plan = plans.Plan(np.linspace(0.0, until, points + 1), {})
     found = run(data, plan, Way(integrator="rk853", tolerance=tolerance, pattern=("equal", steps)))
     speeds = np.array(found.values)[np.array(found.times) > 0.3, found.names.index("wheel.omega[3]")]
@@ -365,9 +402,20 @@ def test_a_wheel_taken_along_by_a_one_way_clutch(amplitude, tolerance, until, po
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-8, 1e-10])
 def test_the_true_error_is_no_more_than_the_sum_of_estimates(integrator, tolerance):
     """Of an oscillation, whose errors do not grow, at every communication point."""
-    slide = {"prismatic": {}, "between": ["ground", "a"], "start": {"position": 1.0, "speed": 0.3}, "spring": {"stiffness": 1.0}}
+    slide = {
+        "prismatic": {},
+        "between": ["ground", "a"],
+        "start": {"position": 1.0, "speed": 0.3},
+        "spring": {"stiffness": 1.0},
+    }
     body = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}
-    data = {"name": "o", "gravity": [0, 0, 0], "body": {"a": body}, "joint": {"j": slide}, "solver": {"output": ["estimated_error"]}}
+    data = {
+        "name": "o",
+        "gravity": [0, 0, 0],
+        "body": {"a": body},
+        "joint": {"j": slide},
+        "solver": {"output": ["estimated_error"]},
+    }
     plan = plans.Plan(np.linspace(0.0, 6.0, 7), {})
     found = run(data, plan, Way(integrator=integrator, tolerance=tolerance, pattern=("equal", 40)))
     told = dict(zip(found.names, np.array(found.values).T))
@@ -382,7 +430,11 @@ def test_the_true_error_is_no_more_than_the_sum_of_estimates(integrator, toleran
 
 # commanded motion
 
-GROUND = {"name": "over a ground", "gravity": [0.0, 0.0, 0.0], "ground": {"motion": {"input": ["position", "velocity"]}}}
+GROUND = {
+    "name": "over a ground",
+    "gravity": [0.0, 0.0, 0.0],
+    "ground": {"motion": {"input": ["position", "velocity"]}},
+}
 GROUND |= {"body": {"p": {"mass": 1.0, "inertia": [1, 1, 1]}, "s": {"mass": 1.0, "inertia": [1, 1, 1]}}}
 GROUND["joint"] = {
     "t": {"free": {}, "between": ["ground", "p"], "start": {"velocity": [0.1, 0.2, 0.3]}},
@@ -411,13 +463,21 @@ def test_a_dependence_that_is_not_declared():
     model = model_of(DATA, Way())
     instance = Instance(model)
     assert dependence.observed(model, instance, "") == []
-    silent = replace(model, variables=[replace(v, depends=()) if v.name == "slide.acceleration" else v for v in model.variables])
+    silent = replace(
+        model,
+        variables=[replace(v, depends=()) if v.name == "slide.acceleration" else v for v in model.variables],
+    )
     (finding,) = dependence.observed(silent, instance, "")
     assert finding.variable == "slide.acceleration"
 
 
 @pytest.mark.parametrize(
-    "old, new", [(b'unit="m/s2"', b'unit="m/s"'), (b'name="slide.speed"', b'name="slide.rate"'), (b'dependencies="1 190', b'dependencies="190')]
+    "old, new",
+    [
+        (b'unit="m/s2"', b'unit="m/s"'),
+        (b'name="slide.speed"', b'name="slide.rate"'),
+        (b'dependencies="1 190', b'dependencies="190'),
+    ],
 )
 def test_a_description_that_is_not_the_models(monkeypatch, old, new):
     model = model_of(DATA, Way())
@@ -431,7 +491,9 @@ def test_a_description_that_is_not_the_models(monkeypatch, old, new):
 # the second route
 
 
-@pytest.mark.parametrize("name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"])
+@pytest.mark.parametrize(
+    "name", ["bob.acceleration[1]", "ball.reaction_moment_body[2]", "slide.spring_effort", "kinetic_energy"]
+)
 def test_what_the_second_route_tells_otherwise(good, plan, name):
     assert route.agrees(DATA, plan, good, Exactness(), Count()) == []
     row = next(k for k, phase in enumerate(good.phases) if phase == LEAVING and good.times[k] > 0)
@@ -463,7 +525,10 @@ def test_signals_and_their_derivatives(wave):
     assert signal.value(0.4, 0) == pytest.approx(signal.at(0.4, 0)[0], rel=1e-14)
 
 
-@pytest.mark.parametrize("pattern", [("shared",), ("equal", 3), ("unequal", 4), ("tiny", 2), ("union", (("equal", 3), ("tiny", 2)))])
+@pytest.mark.parametrize(
+    "pattern",
+    [("shared",), ("equal", 3), ("unequal", 4), ("tiny", 2), ("union", (("equal", 3), ("tiny", 2)))],
+)
 def test_communication_steps_meet_the_shared_points(plan, pattern):
     steps = plans.pieces(plan, pattern)
     np.testing.assert_allclose(np.cumsum([sum(own) for own in steps]), plan.points[1:], rtol=1e-12)
@@ -473,7 +538,9 @@ def test_communication_steps_meet_the_shared_points(plan, pattern):
 def test_commands_of_one_motion_belong_together():
     """The speed's course is the position's derivative, the acceleration's the speed's."""
     driven = {"name": "d", "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}}}
-    driven["joint"] = {"j": {"revolute": {}, "between": ["ground", "b"], "driver": {"input": True}, "start": {"angle": 0.7}}}
+    driven["joint"] = {
+        "j": {"revolute": {}, "between": ["ground", "b"], "driver": {"input": True}, "start": {"angle": 0.7}}
+    }
     driven["ground"] = {"motion": {"input": ["position", "velocity", "euler_parameters", "omega"]}}
 
     for seed in range(8):

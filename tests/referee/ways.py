@@ -42,6 +42,7 @@ ECHO = 1e-6
 # random changes of the state, in units of the error that a step of tolerance 1 may make
 KICK = 1e-7
 
+
 @dataclass(frozen=True)
 class Way:
     """One way to run a scene.
@@ -365,7 +366,9 @@ class _Process:
     def set(self, parameters, inputs):
         if self.way.memory == "untouched":
             reals = self.instance.reals
-            parameters = {name: value for name, value in parameters.items() if reals[self.index[name]] != value}
+            parameters = {
+                name: value for name, value in parameters.items() if reals[self.index[name]] != value
+            }
 
         for name, value in parameters.items():
             self.instance.reals[self.index[name]] = value

@@ -42,9 +42,15 @@ def framed(kind, pair, step, rate):
         symbols = [rate, ca.vec(D), side]
     else:
         D, u, v = ca.SX.sym("surface", 3, 10), step[0], step[1]
-        point = D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
-        first = D[:, 1] + u * D[:, 3] + v * D[:, 4] + u**2 / 2 * D[:, 6] + u * v * D[:, 7] + v**2 / 2 * D[:, 8]
-        second = D[:, 2] + u * D[:, 4] + v * D[:, 5] + u**2 / 2 * D[:, 7] + u * v * D[:, 8] + v**2 / 2 * D[:, 9]
+        point = (
+            D[:, 0] + u * D[:, 1] + v * D[:, 2] + u**2 / 2 * D[:, 3] + u * v * D[:, 4] + v**2 / 2 * D[:, 5]
+        )
+        first = (
+            D[:, 1] + u * D[:, 3] + v * D[:, 4] + u**2 / 2 * D[:, 6] + u * v * D[:, 7] + v**2 / 2 * D[:, 8]
+        )
+        second = (
+            D[:, 2] + u * D[:, 4] + v * D[:, 5] + u**2 / 2 * D[:, 7] + u * v * D[:, 8] + v**2 / 2 * D[:, 9]
+        )
         E = along(first, ca.cross(first, second))
         symbols = [rate, ca.vec(D)]
 

@@ -49,7 +49,9 @@ def joint_axis(kind, options):
 
 def two_axes(kind, options):
     """The axes (2, 3) of a cross, or those that keep their angle: of the first marker, of the second."""
-    return np.array([axis(item) for item in options.get("axes", ("x", "y") if kind == "universal" else ("z", "z"))])
+    return np.array(
+        [axis(item) for item in options.get("axes", ("x", "y") if kind == "universal" else ("z", "z"))]
+    )
 
 
 def geometry(kind, options):

@@ -37,7 +37,6 @@ class Inputs:
         found = np.vstack([found, np.zeros((3, size or 1))])
         return found if size else found[:, 0]
 
-
     def orders(self, *names):
         """How many of a scalar input's value and derivatives are given."""
         return np.size(self.values.get(dotted(*names), self.values.get(".".join(names), 0.0)))

@@ -174,7 +174,9 @@ def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
 
     if joint.name in system.contacts:
         groups |= {"s": now.s[joint.name], "s_rate": now.s_rate[joint.name]}
-        values |= dict(zip(("tangent", "binormal", "normal"), system.contacts[joint.name].axes(now.s[joint.name])))
+        values |= dict(
+            zip(("tangent", "binormal", "normal"), system.contacts[joint.name].axes(now.s[joint.name]))
+        )
 
     values |= {key: group[0] if len(group) == 1 else np.array(group) for key, group in groups.items()}
     along = 0.0
@@ -230,9 +232,7 @@ def _coupled(system, now, joint, multipliers):
     for name, coupling in system.couplings.items():
         multiplier = multipliers[now.rows_of["coupling", name][0]]
         effort += sum(
-            multiplier * factor
-            for other, factor in zip(coupling.between, coupling.factors)
-            if other == joint
+            multiplier * factor for other, factor in zip(coupling.between, coupling.factors) if other == joint
         )
 
     return effort

@@ -44,7 +44,9 @@ class Joint:
         self.start = table.get("start") or {}
         self.driver = None
         turning = table.get("turning")
-        self.rotor = turning and tuple(given(turning[key], name, "turning", key) for key in ("inertia", "ratio"))
+        self.rotor = turning and tuple(
+            given(turning[key], name, "turning", key) for key in ("inertia", "ratio")
+        )
 
         if table.get("driver"):
             self.driver = Driver(given, name, table["driver"], joints.SINGLE[self.kind])

@@ -23,8 +23,16 @@ from .frames import (
 )
 
 TREE = {
-    "revolute": 1, "prismatic": 1, "screw": 1, "cylindrical": 2, "universal": 2, "planar": 3, "spherical": 3,
-    "translation": 3, "free": 6, "fixed": 0,
+    "revolute": 1,
+    "prismatic": 1,
+    "screw": 1,
+    "cylindrical": 2,
+    "universal": 2,
+    "planar": 3,
+    "spherical": 3,
+    "translation": 3,
+    "free": 6,
+    "fixed": 0,
 }
 CONSTRAINTS = (
     "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk", "knife_edge",
@@ -297,7 +305,11 @@ def _point_on_curve(dice, size, curve=None):
     curve = curve or shapes.curve(dice)
     rows = sliding(*plane_axes(unit(curve.t))[:, :2].T)
     return Drawn(
-        "point_on_curve", {"point_on_curve": {}}, {"s": curve.s}, (curve.r, _anywhere(dice)), rows=rows,
+        "point_on_curve",
+        {"point_on_curve": {}},
+        {"s": curve.s},
+        (curve.r, _anywhere(dice)),
+        rows=rows,
         shapes=({"curve": curve.table}, {}),
     )
 
@@ -309,7 +321,11 @@ def _curve_on_curve(dice, size):
     touch = [*np.cross(arm, across), *across]
     rows = np.vstack([turning([1, 0, 0], [0, 1, 0]), sliding([0, 0, 1]), [touch]])
     return Drawn(
-        "curve_on_curve", {"curve_on_curve": {}}, {"s": [first.s, second.s]}, pose, rows=rows,
+        "curve_on_curve",
+        {"curve_on_curve": {}},
+        {"s": [first.s, second.s]},
+        pose,
+        rows=rows,
         shapes=({"curve": first.table}, {"curve": second.table}),
     )
 
@@ -317,8 +333,12 @@ def _curve_on_curve(dice, size):
 def _point_on_surface(dice, size):
     surface = shapes.surface(dice)
     return Drawn(
-        "point_on_surface", {"point_on_surface": {}}, {"s": surface.s}, (surface.r, _anywhere(dice)),
-        rows=sliding(unit(surface.n)), shapes=({"surface": surface.table}, {}),
+        "point_on_surface",
+        {"point_on_surface": {}},
+        {"s": surface.s},
+        (surface.r, _anywhere(dice)),
+        rows=sliding(unit(surface.n)),
+        shapes=({"surface": surface.table}, {}),
     )
 
 
@@ -374,7 +394,9 @@ def _frame_on_curve(dice, size, shape=None):
 
     E, h = frame(shape.s), 1e-5
     change = (frame(shape.s + h) - frame(shape.s - h)) / (2 * h)
-    return _framed(dice, "frame_on_curve", shape, shape.r, E, [_turn_of(E, change)], [D(shape.s)[1]], 0, options)
+    return _framed(
+        dice, "frame_on_curve", shape, shape.r, E, [_turn_of(E, change)], [D(shape.s)[1]], 0, options
+    )
 
 
 def _frame_on_surface(dice, size):
@@ -401,6 +423,7 @@ MAKERS = {
 
 
 # starts as they are written
+
 
 def start(dice, joint, v, places=True, rates=True) -> dict:
     """The start table of a joint at its coordinates and velocities v (n,): all of it,
@@ -492,5 +515,3 @@ def in_part(dice, joint, table):
             parted[key] = value
 
     return parted
-
-

@@ -25,7 +25,9 @@ def add(seed, mechanism, forces, gravity):
     dice = Dice(seed, 6)
     for marker in mechanism.ground_marker.values():
         if "surface" not in marker and dice.chance(0.04):
-            marker["surface"] = dice.pick([{"disk": {"radius": 0.2}}, {"ellipsoid": {"semi_axes": [0.3, 0.2, 0.1]}}])
+            marker["surface"] = dice.pick(
+                [{"disk": {"radius": 0.2}}, {"ellipsoid": {"semi_axes": [0.3, 0.2, 0.1]}}]
+            )
 
     looks.add_solid(Dice(seed, 3), mechanism)
 

@@ -6,7 +6,12 @@ from ..independent.curves import Curve
 from ..independent.reading import orientation
 from . import frames, kinds, motions, shapes
 
-CLOSING = {"surface_on_surface": 1, "rolling_surface": 1, "driven point_on_curve": 1.1, "driven frame_on_curve": 1.1}
+CLOSING = {
+    "surface_on_surface": 1,
+    "rolling_surface": 1,
+    "driven point_on_curve": 1.1,
+    "driven frame_on_curve": 1.1,
+}
 FROM_START = ("constant_speed", "hold", "speed_table", "input")
 COORDINATES = ("x", "y", "z", "yaw", "pitch", "roll")
 
@@ -62,7 +67,9 @@ def prescribed(dice):
         start[k] = q
         told[k] = q if _goes_on(table.get(key, {"hold": True})) else 0.0
 
-    angles = {"zyx_rad": told[3:].tolist()} if dice.chance(0.4) else {"zyx_deg": np.degrees(told[3:]).tolist()}
+    angles = (
+        {"zyx_rad": told[3:].tolist()} if dice.chance(0.4) else {"zyx_deg": np.degrees(told[3:]).tolist()}
+    )
     q = ({"position": told[:3].tolist()} if told[:3].any() else {}) | (angles if told[3:].any() else {})
     pose = start[:3], orientation({"zyx_rad": start[3:]})
     return kinds.Drawn("prescribed", {"prescribed": {}, "driver": table}, q, pose)

@@ -72,7 +72,9 @@ def _shape(dice, owner, markers):
         "mesh": {"file": WEDGE, "scale": 0.001 if dice.chance(0.5) else [0.001, 0.002, -0.001]},
     }[kind]
     turned = kind in ("cylinder", "tube", "capsule", "cone") and dice.chance(0.5)
-    return {kind: form} | frames.place(dice, 0.3)[0] | look | ({"axis": frames.axis(dice)[0]} if turned else {})
+    return (
+        {kind: form} | frames.place(dice, 0.3)[0] | look | ({"axis": frames.axis(dice)[0]} if turned else {})
+    )
 
 
 def _view(dice, data):

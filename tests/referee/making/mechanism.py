@@ -328,7 +328,11 @@ class Mechanism:
         for joint in self.joints:
             least = 0 if self.dice.chance(0.2) else 1
             rate = joint.rate if self.still(joint) is not None else None
-            if joint.driven and not joint.led and not self.restrict(self.row(joint)[None], [rate], least, locks=True):
+            if (
+                joint.driven
+                and not joint.led
+                and not self.restrict(self.row(joint)[None], [rate], least, locks=True)
+            ):
                 del joint.table["driver"]
                 joint.rate, joint.says = None, "all"
 

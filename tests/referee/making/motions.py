@@ -116,8 +116,9 @@ def _harmonics(dice, angular, size, q):
     phase = [float(dice.pick(range(-180, 181, 15))) for _ in range(n)] if dice.chance(0.7) else None
     keys, mean = _mean(dice, angular, q if dice.chance(0.7) else None)
     w, p = 2 * np.pi * np.array(frequency), np.radians(phase or np.zeros(n))
-    table = {f"amplitude{unit}": given,
-             "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
+    table = (
+        {f"amplitude{unit}": given, "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
+    )
     return table, mean + float(amplitude @ np.sin(p)), float((amplitude * w) @ np.cos(p))
 
 
@@ -246,7 +247,11 @@ def _ellipse(dice, site):
     options |= {"period": period} if dice.chance(0.5) else {"mu": (2 * np.pi / period) ** 2 * a**3}
     A = np.eye(3)
 
-    for key, about in (("node_deg", [0, 0, 1.0]), ("inclination_deg", [1.0, 0, 0]), ("periapsis_deg", [0, 0, 1.0])):
+    for key, about in (
+        ("node_deg", [0, 0, 1.0]),
+        ("inclination_deg", [1.0, 0, 0]),
+        ("periapsis_deg", [0, 0, 1.0]),
+    ):
         if dice.chance(0.6):
             options[key] = float(dice.pick(range(-180, 181, 15)))
             A = A @ frames.about(about, np.radians(options[key]))

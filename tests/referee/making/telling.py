@@ -21,7 +21,14 @@ JOINT = {
     "surface_on_surface": ("s", "s_rate", "contact_point", "normal_force"),
     "rolling_surface": ("s", "s_rate", "contact_point", "normal_force", "friction_force"),
     "prescribed": (
-        "position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega", "driver_force", "driver_torque",
+        "position",
+        "velocity",
+        "euler_parameters",
+        "zyx",
+        "zyx_rate",
+        "omega",
+        "driver_force",
+        "driver_torque",
     ),
 }
 EFFORTS = {part: f"{part}_effort" for part in ("spring", "damper", "friction", "stop", "input")}
