@@ -13,7 +13,7 @@ from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance
 
-from .independent import System
+from .independent import System, unknown
 from .kinds import FAMILIES, arm
 from .telling import all_told
 
@@ -172,7 +172,12 @@ MODELS = sorted(FOLDER.glob("*.toml"))
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_models(path):
-    assert differences(tomllib.loads(path.read_text()), 1, steps=(0.05,), redundant=True) == []
+    data = tomllib.loads(path.read_text())
+
+    if unknown(data):
+        pytest.skip(f"no equations for {unknown(data)}")
+
+    assert differences(data, 1, steps=(0.05,), redundant=True) == []
 
 
 @pytest.mark.parametrize("family", ["efforts", "forces", "bodies", "drivers"])
