@@ -88,12 +88,10 @@ class Results(Mapping):
             r, A = self.states.poses([end])
         except KeyError:
             scene = self.states.model.scene
-            holders = {"ground": scene.ground, **scene.body}
-            ends = [
-                *holders,
-                "inertial",
-                *(f"{n}.{m}" for n, holder in holders.items() for m in holder.marker),
-            ]
+            markers = {"ground": scene.ground.marker} | {
+                name: body.marker for name, body in scene.body.items()
+            }
+            ends = [*markers, "inertial", *(f"{n}.{m}" for n, held in markers.items() for m in held)]
             raise KeyError(f"no body or marker {end!r}; {hint(end, ends)}") from None
 
         return r[:, 0], scipy.spatial.transform.Rotation.from_matrix(A[:, 0]).as_quat()
