@@ -7,6 +7,7 @@ from scenes import random_instance, random_scene
 from test_closed_forms import bars
 from test_integrate import instance_of
 
+from benchmarks import choice
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.dynamics.rates import evaluate, evaluate_now, store_rate
@@ -36,33 +37,9 @@ def whole_matrix(m, values):
 
 
 def net(rows, columns, stiffness, damping, **solver):
-    """Free bodies of 0.1 kg hung from the ground, each tied to its neighbours by damped springs."""
-    element = {"spring_damper": {"stiffness": stiffness, "damping": damping, "rest_length": 0.095}}
-    body, joint, force, ground = {}, {}, {}, {}
-
-    for i in range(rows):
-        for j in range(columns):
-            name = f"b{i}_{j}"
-            body[name] = {"mass": 0.1, "inertia": [1e-4] * 3}
-            start = {"position": [0.1 * j, 0, -0.1 * (i + 1)]}
-            joint[f"f{i}_{j}"] = {"free": {}, "between": ["ground", name], "start": start}
-
-            if i == 0:
-                ground[f"a{j}"] = {"position": [0.1 * j, 0, 0]}
-
-            force[f"up{i}_{j}"] = element | {"between": [f"b{i - 1}_{j}" if i else f"ground.a{j}", name]}
-
-            if j:
-                force[f"side{i}_{j}"] = element | {"between": [f"b{i}_{j - 1}", name]}
-
-    return Scene(
-        name="net",
-        gravity=[0, 1, -9.81],
-        ground={"marker": ground},
-        body=body,
-        joint=joint,
-        force=force,
-        solver=solver,
+    """`choice.net` as a scene."""
+    return Scene.model_validate(
+        {"name": "net", "solver": solver} | choice.net(rows, columns, stiffness, damping)
     )
 
 
