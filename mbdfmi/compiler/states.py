@@ -160,7 +160,8 @@ def indicator_variables(builder) -> list[Variable]:
 
 def led_by(builder, states: list[_State]) -> list[tuple[int, ...]] | None:
     """For each output the places in x of the states that it may depend on: those of the bodies that joints, constraints and
-    forces connect with what it is about. None where these lists are too long.
+    forces connect with what it is about. None where these lists are too long; one of all states beside no input is not written
+    (`export.description`), so it does not count.
     """
     island = islands(builder.nodes, builder.constraint_nodes + builder.force_nodes)
     known, found, total = {}, [], 0
@@ -172,6 +173,6 @@ def led_by(builder, states: list[_State]) -> list[tuple[int, ...]] | None:
             known[key] = tuple(k for k, s in enumerate(states) if s.node == 0 or island[s.node] in key)
 
         found.append(known[key])
-        total += len(known[key])
+        total += len(known[key]) if builder.inputs or len(known[key]) < len(states) else 0
 
     return found if total <= MOST_DEPENDENCIES else None

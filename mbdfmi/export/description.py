@@ -209,7 +209,8 @@ def _structure(root, model) -> None:
     """Which outputs there are and what they depend on; indices count from 1.
 
     At the start that is the same inputs and all parameters. An Unknown without `dependencies` depends on all that is known
-    (FMI 2.0.4, 2.2.8), as rates do, so this is not written where it is so, nor where it would take more than MOST_LISTED.
+    (FMI 2.0.4, 2.2.8), as rates do, so this is not written where it is so: lists of all states for all outputs of a long chain
+    would grow as its square. Nor is it written at the start where it would take more than MOST_LISTED.
     """
     structure = etree.SubElement(root, "ModelStructure")
     numbered = list(enumerate(model.listed, 1))
@@ -226,9 +227,11 @@ def _structure(root, model) -> None:
     for index, variable in outputs:
         known = [str(k + 1) for k in variable.depends]
         led = [str(k + 1) for k in variable.led_by]
-        etree.SubElement(
-            sections["Outputs"], "Unknown", index=str(index), dependencies=" ".join([*known, *led])
-        )
+        unknown = etree.SubElement(sections["Outputs"], "Unknown", index=str(index))
+
+        if not 0 < inputs + len(states) == len(known) + len(led):
+            unknown.set("dependencies", " ".join([*known, *led]))
+
         unknown = etree.SubElement(sections["InitialUnknowns"], "Unknown", index=str(index))
 
         if lists and len(variable.depends) < inputs:

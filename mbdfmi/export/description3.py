@@ -137,7 +137,9 @@ def _structure(root, found: list[ArrayVariable]) -> None:
 
     for array in outputs:
         led = sorted({whole[k] for v in array.elements for k in v.led_by})
-        _add_unknown(structure, "Output", array.first, [*known[array.first], *led])
+        given = [*known[array.first], *led]
+        everything = 0 < len(inputs) + len(states) == len(given)
+        _add_unknown(structure, "Output", array.first, None if everything else given)
 
     for array in rates:
         _add_unknown(structure, "ContinuousStateDerivative", array.first, None)
