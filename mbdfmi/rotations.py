@@ -57,17 +57,23 @@ class Rotation:
 
     @classmethod
     def from_matrix(cls, A):
-        """From an orthogonal matrix (3, 3)."""
-        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.asarray(A, float).tolist()
+        """From orthogonal matrices (3, 3) or (n, 3, 3)."""
+        A = np.asarray(A, float)
+        ((xx, xy, xz), (yx, yy, yz), (zx, zy, zz)) = np.moveaxis(A.reshape(-1, 3, 3), 0, -1)
         trace = xx + yy + zz
-        rows = (
-            (1 - trace + 2 * xx, yx + xy, zx + xz, zy - yz),
-            (yx + xy, 1 - trace + 2 * yy, zy + yz, xz - zx),
-            (zx + xz, zy + yz, 1 - trace + 2 * zz, yx - xy),
-            (zy - yz, xz - zx, yx - xy, 1 + trace),
+        rows = np.array(
+            [
+                (1 - trace + 2 * xx, yx + xy, zx + xz, zy - yz),
+                (yx + xy, 1 - trace + 2 * yy, zy + yz, xz - zx),
+                (zx + xz, zy + yz, 1 - trace + 2 * zz, yx - xy),
+                (zy - yz, xz - zx, yx - xy, 1 + trace),
+            ]
         )
-        decision = (xx, yy, zz, trace)
-        return cls(np.array(_unit(rows[decision.index(max(decision))])))
+        largest = np.argmax([xx, yy, zz, trace], axis=0)
+        E = rows[largest, :, np.arange(len(largest))]
+        x, y, z, w = E.T
+        E /= np.sqrt(x * x + y * y + z * z + w * w)[:, None]
+        return cls(E.reshape((*A.shape[:-2], 4)))
 
     def inv(self):
         """The rotation back."""

@@ -3,7 +3,7 @@
 import itertools
 import re
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,7 +29,8 @@ class Variable:
     unit : key of `units.UNITS`, None without unit.
     index : position in the buffer `u`, `y` or `reals`, in x or x', among the indicators.
     depends : of an output: value references of the inputs that act on it at the same instant; at the start all parameters do too.
-    led_by : of an output: value references of the states that it may depend on.
+    led_by : of an output: value references of the states that it may depend on; many, the same for many outputs, and left out
+    of `repr`, which the GUID is made of.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Variable:
     description: str
     index: int
     depends: tuple[int, ...] = ()
-    led_by: tuple[int, ...] = ()
+    led_by: tuple[int, ...] = field(default=(), repr=False)
 
     @property
     def kind(self) -> int:
@@ -76,7 +77,7 @@ def arrays(variables: list[Variable]) -> list[ArrayVariable]:
         whole = [v.name for v in elements] == [_element(name, k) for k in subscripts(shape)]
         first = found[-1].first + len(found[-1].elements) if found else 0
 
-        if alike and whole and name not in names - {elements[0].name}:
+        if alike and whole and (name == elements[0].name or name not in names):
             found.append(ArrayVariable(name, first, shape, elements))
         else:
             found += [ArrayVariable(v.name, first + k, (), (v,)) for k, v in enumerate(elements)]

@@ -225,17 +225,16 @@ def _structure(root, model) -> None:
     sections = {name: etree.Element(name) for name in ("Outputs", "Derivatives", "InitialUnknowns")}
 
     for index, variable in outputs:
-        known = [str(k + 1) for k in variable.depends]
-        led = [str(k + 1) for k in variable.led_by]
         unknown = etree.SubElement(sections["Outputs"], "Unknown", index=str(index))
 
-        if not 0 < inputs + len(states) == len(known) + len(led):
-            unknown.set("dependencies", " ".join([*known, *led]))
+        if not 0 < inputs + len(states) == len(variable.depends) + len(variable.led_by):
+            unknown.set("dependencies", " ".join(str(k + 1) for k in variable.depends + variable.led_by))
 
         unknown = etree.SubElement(sections["InitialUnknowns"], "Unknown", index=str(index))
 
         if lists and len(variable.depends) < inputs:
-            unknown.set("dependencies", " ".join([*known, all_parameters]).strip())
+            known = " ".join(str(k + 1) for k in variable.depends)
+            unknown.set("dependencies", f"{known} {all_parameters}".strip())
 
     for index in rates:
         etree.SubElement(sections["Derivatives"], "Unknown", index=str(index))

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..compiler.variables import array_of, hint, meant
 from ..files import check_ending, replacing
+from ..rotations import Rotation
 from ..scene import variable_name
 from ..scene.errors import listed
 from ..units import UNITS
@@ -94,7 +94,7 @@ class Results(Mapping):
             ends = [*markers, "inertial", *(f"{n}.{m}" for n, held in markers.items() for m in held)]
             raise KeyError(f"no body or marker {end!r}; {hint(end, ends)}") from None
 
-        return r[:, 0], scipy.spatial.transform.Rotation.from_matrix(A[:, 0]).as_quat()
+        return r[:, 0], Rotation.from_matrix(A[:, 0]).as_quat()
 
     @classmethod
     def from_csv(cls, path) -> "Results":

@@ -52,16 +52,17 @@ class Link(NamedTuple):
 
 def pieces(scene, size) -> list[Piece]:
     """All surfaces of a scene of that size (m)."""
-    found = []
+    found, ends = [], joint_ends(scene)
 
     for k, (name, body) in enumerate(scene.body.items()):
         colour = red_green_blue(body.colour or PALETTE[k % len(PALETTE)])
-        drawn = _looks(scene, name, body, colour, size)
-        found += drawn or _solids(name, body, colour, size) or _guess(scene, name, body, colour, size)
+        drawn = _looks(scene, name, body, colour, size) or _solids(name, body, colour, size)
+        found += drawn or _guess(scene, name, body, ends.get(name, {}), colour, size)
         found += _tracks(name, body, size)
 
     colour = red_green_blue(scene.ground.colour or GROUND)
-    found += _looks(scene, "ground", scene.ground, colour, size) or _feet(scene, colour, size)
+    drawn = _looks(scene, "ground", scene.ground, colour, size)
+    found += drawn or _feet(scene, ends.get("ground", {}), colour, size)
     return found + _tracks("ground", scene.ground, size)
 
 
@@ -103,10 +104,16 @@ def links(scene, size) -> list[Link]:
     ]
 
 
-def joint_ends(scene, body):
-    """Ends of joints and springs on a body, each once."""
-    users = [*scene.joint.values(), *(f for f in scene.force.values() if f.kind == "spring_damper")]
-    return list(dict.fromkeys(end for user in users for end in user.between if end.split(".")[0] == body))
+def joint_ends(scene) -> dict:
+    """Body, or "ground" -> ends of joints and springs on it, each once, and the joints at that end."""
+    found = {}
+
+    for user in [*scene.joint.values(), *(f for f in scene.force.values() if f.kind == "spring_damper")]:
+        for end in user.between:
+            joints = found.setdefault(end.split(".")[0], {}).setdefault(end, [])
+            joints += [user] if user.kind != "spring_damper" else []
+
+    return found
 
 
 # shapes
@@ -195,10 +202,10 @@ def _solids(name, body, colour, size):
     return found
 
 
-def _guess(scene, name, body, colour, size):
+def _guess(scene, name, body, ends, colour, size):
     """Sticks from joint to joint, and what rolls; half transparent, a box of equal inertia."""
     mass, com, inertia = body.mass_properties()
-    found = [Piece(name, surface, colour, GUESS) for surface in _rolling(scene, name)]
+    found = [Piece(name, surface, colour, GUESS) for surface in _rolling(scene, ends)]
 
     if not found and mass:
         moments, axes = np.linalg.eigh(inertia / mass)
@@ -211,15 +218,15 @@ def _guess(scene, name, body, colour, size):
         else:
             found.append(Piece(name, forms.moved(forms.sphere(), com, np.eye(3), 3 * [DOT * size]), colour))
 
-    points = [scene.marker_pose(end)[1] for end in joint_ends(scene, name)]
+    points = [scene.marker_pose(end)[1] for end in ends]
     return found + [Piece(name, stick, colour) for stick in _sticks(points, com if mass else None, size)]
 
 
-def _rolling(scene, name):
-    """Disks and balls that roll, on the body that does."""
-    for joint in scene.joint.values():
-        if joint.kind in ("rolling_disk", "rolling_sphere") and joint.between[1].split(".")[0] == name:
-            _, r, A = scene.marker_pose(joint.between[1])
+def _rolling(scene, ends):
+    """Disks and balls that roll, on the body with these ends that does."""
+    for end, joint in ((end, joint) for end, joints in ends.items() for joint in joints):
+        if joint.kind in ("rolling_disk", "rolling_sphere") and joint.between[1] == end:
+            _, r, A = scene.marker_pose(end)
             if joint.kind == "rolling_sphere":
                 yield forms.moved(forms.sphere(), r, A, 3 * [joint.radius])
             else:
@@ -243,14 +250,13 @@ def _sticks(points, com, size):
     return [forms.rod(a, b, radius) for a, b in pairs if np.linalg.norm(b - a) > radius]
 
 
-def _feet(scene, colour, size):
+def _feet(scene, ends, colour, size):
     """Small blocks where joints hold to the ground."""
     found = []
 
-    for end in joint_ends(scene, "ground"):
-        users = [j for j in scene.joint.values() if end in j.between and j.kind not in LOOSE]
+    for end, joints in ends.items():
         r = scene.marker_pose(end)[1]
-        if users:
+        if any(joint.kind not in LOOSE for joint in joints):
             found.append(
                 Piece("ground", forms.moved(forms.box(), r, np.eye(3), 3 * [3.2 * STICK * size]), colour)
             )

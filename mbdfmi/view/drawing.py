@@ -8,7 +8,6 @@ import zlib
 
 import numpy as np
 
-from .motion import Motion
 from .told import eye, grid_cell, unseen_ground
 
 BACKGROUND = np.array([0xF4, 0xF6, 0xF8]) / 255
@@ -185,17 +184,9 @@ def _light(normals):
 
 def _triangles(picture, row, grid):
     """Points and normals (n, 3, 3) with y up, colours (n, 3), opacities (n,) of all there is."""
-    moves = picture.moves
-    still = Motion(
-        moves.times[[row]],
-        moves.bodies,
-        moves.r[[row]],
-        moves.q[[row]],
-        tuple(v[[row]] for v in moves.inertial),
-    )
     found = []
 
-    for surface, colour, opacity in picture.drawn(still):
+    for surface, colour, opacity in picture.drawn(picture.moves.row(row)):
         points, normals = surface.points @ picture.root.T, surface.normals @ picture.root.T
         found.append((points[surface.faces], normals[surface.faces], colour, opacity))
 

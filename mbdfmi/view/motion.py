@@ -1,10 +1,11 @@
 """Where all bodies are over time, in the frame of the picture."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..rotations import Rotation
 from ..scene.fields import unit_vector
 
 # a body that turns further than this between two rows is seen to turn another way
@@ -15,21 +16,37 @@ FAR_TURN = 0.6 * np.pi
 class Motion:
     """Poses of bodies, "ground" first, at n times.
 
-    times : (n,) s. bodies : names. r : (n, n_bodies, 3) m, q : (n, n_bodies, 4) Euler parameters, scalar
-        last and without jumps of sign, in the frame of the picture: the ground's, or the inertial one.
+    times : (n,) s. bodies : names. r : (n, n_bodies, 3) m, A : (n, n_bodies, 3, 3), in the frame of the
+        picture: the ground's, or the inertial one.
     inertial : (r (n, 3), A (n, 3, 3)) of the picture's frame in the inertial one.
     """
 
     times: np.ndarray
     bodies: list
     r: np.ndarray
-    q: np.ndarray
+    A: np.ndarray
     inertial: tuple
+
+    @cached_property
+    def place(self) -> dict:
+        """Body -> its place among the bodies."""
+        return {body: k for k, body in enumerate(self.bodies)}
+
+    @cached_property
+    def q(self) -> np.ndarray:
+        """(n, n_bodies, 4) Euler parameters, scalar last, whose signs go on from row to row."""
+        return _without_jumps(Rotation.from_matrix(self.A).as_quat())
+
+    def row(self, k) -> "Motion":
+        """The poses at one of the times alone."""
+        return Motion(
+            self.times[[k]], self.bodies, self.r[[k]], self.A[[k]], tuple(v[[k]] for v in self.inertial)
+        )
 
     def point(self, body, r):
         """(n, 3): where a point (3,) of a body is."""
-        k = self.bodies.index(body)
-        return self.r[:, k] + scipy.spatial.transform.Rotation.from_quat(self.q[:, k]).apply(r)
+        k = self.place[body]
+        return self.r[:, k] + self.A[:, k] @ r
 
     def far_turns(self):
         """Bodies that turn so far from row to row that what is between is not seen."""
@@ -59,12 +76,7 @@ def motion(scene, states, rows=None) -> Motion:
         r = np.einsum("nji,nbj->nbi", base[1], r - base[0][:, None])
         A = np.einsum("nji,nbjk->nbik", base[1], A)
 
-    q = (
-        scipy.spatial.transform.Rotation.from_matrix(A.reshape(-1, 3, 3))
-        .as_quat()
-        .reshape(len(rows), len(bodies), 4)
-    )
-    return Motion(states.time[rows], bodies, r, _without_jumps(q), base)
+    return Motion(states.time[rows], bodies, r, A, base)
 
 
 def _without_jumps(q):

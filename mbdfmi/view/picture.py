@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..rotations import Rotation
 from ..run.states import States
 from ..scene import SceneData
 from . import forms, glb
@@ -81,8 +81,7 @@ class Picture:
 
     def ends_axis(self, axis):
         """(3,) the direction, at the first time, of an axis (a table with body and axis)."""
-        k = self.moves.bodies.index(axis["body"])
-        return scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, k]).apply(axis["axis"])
+        return self.moves.A[0, self.moves.place[axis["body"]]] @ axis["axis"]
 
     def carriers(self):
         """body -> the body that it is fixed to and moves with; one that carries is its own."""
@@ -98,7 +97,7 @@ class Picture:
         packs smaller.
         """
         rounded = _exact if full else _rounding
-        root = glb.Node(self.title, q=scipy.spatial.transform.Rotation.from_matrix(self.root).as_quat())
+        root = glb.Node(self.title, q=Rotation.from_matrix(self.root).as_quat())
         nodes, carriers = {}, self.carriers()
 
         for k, body in enumerate(self.moves.bodies):
@@ -109,7 +108,7 @@ class Picture:
                 self._place(node, self.moves.r[:, k], self.moves.q[:, k], rounded)
                 root.children.append(node)
             else:
-                node.r, node.q = self._fixed(self.moves.bodies.index(carrier), k)
+                node.r, node.q = self._fixed(self.moves.place[carrier], k)
                 nodes[carrier].children.append(node)
 
             for layer in ("bodies", "curves", "surfaces"):
@@ -154,9 +153,9 @@ class Picture:
 
     def _fixed(self, carrier, k):
         """(r, q) of body k in the one that it is fixed to."""
-        turn = scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, carrier]).inv()
-        r = turn.apply(self.moves.r[0, k] - self.moves.r[0, carrier])
-        return r, (turn * scipy.spatial.transform.Rotation.from_quat(self.moves.q[0, k])).as_quat()
+        A = self.moves.A[0, carrier].T
+        r = A @ (self.moves.r[0, k] - self.moves.r[0, carrier])
+        return r, Rotation.from_matrix(A @ self.moves.A[0, k]).as_quat()
 
     def ends(self, end):
         """(n, 3): where an end is, in the picture's frame."""
@@ -187,14 +186,13 @@ class Picture:
         frame.
         """
         for piece in self.pieces:
-            k = moves.bodies.index(piece.body)
-            A = scipy.spatial.transform.Rotation.from_quat(moves.q[0, k]).as_matrix()
-            yield forms.moved(piece.surface, moves.r[0, k], A), piece.colour, piece.opacity
+            k = moves.place[piece.body]
+            yield forms.moved(piece.surface, moves.r[0, k], moves.A[0, k]), piece.colour, piece.opacity
 
         still = replace(self, moves=moves)
         for link in self.links:
             node = still._link(link, _exact)
-            A = scipy.spatial.transform.Rotation.from_quat(node.q).as_matrix()
+            A = Rotation(node.q).as_matrix()
             yield forms.moved(forms.cylinder(), node.r, A, node.scale), link.colour, 1.0
 
     def glb(self) -> bytes:

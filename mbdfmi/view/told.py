@@ -3,9 +3,9 @@
 import base64
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..compiler.variables import array_of
+from ..rotations import Rotation
 from ..scene.fields import unit_vector
 
 # points of a plot, and numbers of all plots in a page
@@ -94,7 +94,7 @@ def _markers(scene):
     for owner, holder in _holders(scene):
         for name, marker in holder.marker.items():
             r, A = marker.pose()
-            q = scipy.spatial.transform.Rotation.from_matrix(A).as_quat()
+            q = Rotation.from_matrix(A).as_quat()
             yield {"name": f"{owner}.{name}", "body": owner, "r": r.tolist(), "q": q.tolist()}
 
 
