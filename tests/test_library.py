@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mbdfmi import load
-from mbdfmi.export.link import library as fmu_library
+from mbdfmi.export import link
 from mbdfmi.kernels import entry, loops
 from mbdfmi.kernels.dynamics import articulated, rates
 from mbdfmi.kernels.language import INTERPRETED, JIT
@@ -50,7 +50,7 @@ def test_kernels_are_what_python_makes_of_them(instance, kernel, arguments):
 
 @in_library
 def test_an_fmu_carries_the_library_of_this_process():
-    assert fmu_library(host_platform()).read_bytes() == library.ready().read_bytes()
+    assert link.library(host_platform()).read_bytes() == library.ready().read_bytes()
     assert set(library.addresses()) >= set(entry.ENTRIES)
 
 
@@ -120,17 +120,31 @@ def test_a_library_that_cannot_be_made(monkeypatch, tmp_path):
 
 
 def test_two_that_want_it_at_once_make_it_once(monkeypatch, tmp_path):
+    """The library that a process loads; the kernels that an export links."""
     monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
     monkeypatch.setattr(library, "PACKAGED", tmp_path)
-    made, begun = [], threading.Barrier(2)
+    made = []
     monkeypatch.setattr(library, "find", lambda: made[0] if made else None)
     monkeypatch.setattr(library, "_make", lambda tell: made.append(Path("made")) or made[0])
+    assert _at_once(library.ready) == 2 * [Path("made")]
+    assert len(made) == 1
 
-    def want():
+    halves = link.aot.HALVES * ["; a module\n"]
+    monkeypatch.setattr(link.aot, "compile_kernels", lambda: made.append("kernels") or halves)
+    first, second = _at_once(lambda: link._kernels(lambda text: None))
+    assert first == second and [path.read_text() for path in first] == halves
+    assert made[1:] == ["kernels"]
+
+
+def _at_once(want):
+    """What two threads get that want something at once."""
+    begun, got = threading.Barrier(2), []
+
+    def wait_and_want():
         begun.wait()
-        assert library.ready() == Path("made")
+        got.append(want())
 
-    threads = [threading.Thread(target=want) for _ in range(2)]
+    threads = [threading.Thread(target=wait_and_want) for _ in range(2)]
 
     for thread in threads:
         thread.start()
@@ -138,7 +152,7 @@ def test_two_that_want_it_at_once_make_it_once(monkeypatch, tmp_path):
     for thread in threads:
         thread.join()
 
-    assert len(made) == 1
+    return got
 
 
 def test_kernels_one_by_one_by_numba():

@@ -65,12 +65,16 @@ def _kernels(progress):
     names = [f"{source_hash()}-{half}.ll" for half in range(aot.HALVES)]
     files = [cache_directory() / "fmu" / name for name in names]
 
-    if not all(file.exists() for file in files):
-        progress("compiling the kernels (once per version: a minute or two)")
+    if all(file.exists() for file in files):
+        return files
 
-        for path, text in zip(files, aot.compile_kernels()):
-            with replacing(path) as file:
-                file.write_text(text)
+    with native.alone(f"{source_hash()}-kernels"):
+        if not all(file.exists() for file in files):
+            progress("compiling the kernels (once per version: a minute or two)")
+
+            for path, text in zip(files, aot.compile_kernels()):
+                with replacing(path) as file:
+                    file.write_text(text)
 
     return files
 

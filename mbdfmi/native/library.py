@@ -56,7 +56,7 @@ def ready(tell: Callable[[str], None] | None = None) -> Path:
     found = find()
 
     if found is None:
-        with _alone():
+        with alone(source_hash()):
             found = find() or _make(
                 tell or (lambda text: print(f"mbdfmi: {text}", file=sys.stderr, flush=True))
             )
@@ -93,9 +93,9 @@ def _make(tell):
 
 
 @contextlib.contextmanager
-def _alone():
-    """Where several processes want the library at once, one makes it and the others wait."""
-    path = cache_directory() / f"{source_hash()}.lock"
+def alone(name: str):
+    """Where several processes want to make the same thing in the cache, one makes it and the others wait."""
+    path = cache_directory() / f"{name}.lock"
     path.parent.mkdir(parents=True, exist_ok=True)
 
     with open(path, "w") as file:
