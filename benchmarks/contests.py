@@ -1,9 +1,9 @@
 """Error against CPU time: all contestants on a problem, in turns.
 
-A contestant has `name`, `how` (it is used), `ours`, `settings(problem)`, from loose to tight, and
-`prepare(problem, setting)`, which gives a run: `run()` starts from t = 0 again and returns the CPU seconds of
-the integration alone and the motion at the reference times. What a contestant cannot do it says by raising
-`Cannot`, and the report tells it.
+A contestant has `name`, `how` (it is used), `kind` (a key of KINDS), `settings(problem)`, from loose to
+tight, and `prepare(problem, setting)`, which gives a run: `run()` starts from t = 0 again and returns the
+CPU seconds of the integration alone and the motion at the reference times. What a contestant cannot do it
+says by raising `Cannot`, and the report tells it.
 """
 
 from collections.abc import Callable, Container, Iterable
@@ -14,6 +14,12 @@ import numpy as np
 from .problems import Problem
 
 QUICK_LEVELS = (1, 2, 3)
+KINDS = {
+    "ours": "a stepper of mbdfmi",
+    "package": "a peer that integrates by itself",
+    "loop": "a peer's dynamics in a loop of ours",
+    "limit": "a program for that one mechanism",
+}
 AIMS = (1e-8, 1e-10)  # errors at which CPU times are compared
 
 

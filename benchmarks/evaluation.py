@@ -1,7 +1,7 @@
 """How long one evaluation of the accelerations takes, beside other libraries, in one run.
 
 Serial chains and binary trees of revolute joints: kinematics, inertias, forces and the
-articulated-body algorithm, one thread; and the same by our other formulations. All contestants
+articulated-body algorithm, one thread, in CPU time; and the same by our other formulations. All contestants
 take turns, round by round, and each keeps its shortest time: a noisy machine then slows none more
 than another. The loop around our kernels is compiled.
 """
@@ -227,20 +227,17 @@ class _Contest:
 
 
 def _seconds(run, n):
-    start = time.perf_counter()
+    start = time.process_time()
     run(n)
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
 def _repeats(run, shortest):
-    """How often to repeat for a timing of at least `shortest` s: then the call around does not count.
-
-    The least of some timings decides, for one interruption would end the search too early.
-    """
+    """How often to repeat for a timing of at least `shortest` s: then the call around does not count."""
     run(1)
     n = 1
 
-    while min(_seconds(run, n) for _ in range(5)) < shortest:
+    while _seconds(run, n) < shortest:
         n *= 2
 
     return n

@@ -35,7 +35,8 @@ def markdown(report, pictures: list[str]) -> str:
     )
     parts = [head]
     parts += [_at(report, aim) for aim in AIMS]
-    parts += [_errors(report, pictures), _failures(report), _evaluation(report, pictures), _fmu(report)]
+    parts += [_errors(report, pictures), _failures(report)]
+    parts += [_evaluation(report, pictures), _fmu(report)] if report.evaluation else []
     parts += [_contestants(report), _problems(report)]
     return "\n\n".join(part.strip() for part in parts if part) + "\n"
 
@@ -66,13 +67,13 @@ def milliseconds(problem: dict, name: str, seconds: float | None) -> str:
 
 
 def _at(report, aim):
-    peers = [name for name, contestant in report.contestants.items() if not contestant["ours"]]
+    peers = [name for name, contestant in report.contestants.items() if contestant["kind"] != "ours"]
     rows = []
 
     for problem in report.problems:
         standing = report.standing(aim, problem["name"])
         ours = standing["ours"]
-        ratios = [(standing[group], standing[f"{group}_ratio"]) for group in ("package", "peer")]
+        ratios = [(standing[group], standing[f"{group}_ratio"]) for group in ("package", "peer", "limit")]
         cells = [milliseconds(problem, name, standing["all"].get(name)) for name in peers]
         rows.append(
             [
@@ -84,14 +85,15 @@ def _at(report, aim):
         )
 
     headings = ["problem", "ours, ms", *(f"{name}, ms" for name in peers)]
-    headings += ["best package to ours", "best of all to ours"]
+    headings += ["best package to ours", "best of all to ours", "limit to ours"]
     ratios = [report.standing(aim, problem["name"])["package_ratio"] for problem in report.problems]
     ratios = [ratio for ratio in ratios if ratio]
     lines = [f"## CPU time for an error of {power(aim)}", "", table(headings, rows), ""]
     lines += [
         "A dash: no setting that was run is so exact. An x: cannot be run, for the reason given below. "
         "Packages are peers that integrate by themselves; around Pinocchio the loop is ours, in C++, and the "
-        "steppers are Boost's.",
+        "steppers are our 8(5,3) pair and Boost's. The limit is what a program for that one mechanism takes, "
+        "with equations derived by hand.",
         "",
     ]
 
@@ -166,7 +168,7 @@ def _evaluation(report, pictures):
     costs = report.evaluation
     names = list(costs.contestants)
     lines = ["## Cost of an evaluation against the number of bodies", ""]
-    lines += ["µs for the accelerations at one state; a compiled loop, the least of several rounds."]
+    lines += ["µs of CPU for the accelerations at one state; a compiled loop, the least of several rounds."]
     lines += ["", "A dash: more bodies than it can take (Pinocchio needs memory in their third power).", ""]
 
     if "evaluation_cost.png" in pictures:

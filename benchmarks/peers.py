@@ -6,26 +6,16 @@ take), `preparing` (what may take a while before), `run(n)` to evaluate the acce
 """
 
 import ctypes
-import hashlib
 import importlib
-import os
-import subprocess
 import sys
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mbdfmi.files import replacing
-from mbdfmi.native.sources import cache_directory
-
 from .mechanisms import GRAVITY, Link
-
-
-class Missing(Exception):
-    """A peer cannot be had here; the text says why and what would help."""
+from .native import Missing, compiled
 
 
 def library_of(module: str, package: str):
@@ -131,7 +121,7 @@ class PinocchioNative:
     @cache
     def _library(cls):
         Pinocchio.version()
-        library = compiled("pinocchio_loop.cpp")
+        library = compiled_with_pinocchio("pinocchio_loop.cpp")
         reals = np.ctypeslib.ndpointer(np.float64, flags="C")
         handle = ctypes.c_void_p
         library.mechanism_new.restype = handle
@@ -200,31 +190,10 @@ def _include_folders():
     return folders
 
 
-def compiled(name: str) -> ctypes.CDLL:
-    """A source beside this file that needs Pinocchio's headers, as a library; compiled when it is not yet.
-
-    Raises Missing.
-    """
-    folders = _include_folders()
-    source = Path(__file__).with_name(name)
-    key = source.read_bytes() + repr((folders, Pinocchio.version(), version("ziglang"))).encode()
-    suffix = {"nt": "dll"}.get(os.name, "so")
-    name = f"{source.stem}_{hashlib.sha256(key).hexdigest()[:20]}.{suffix}"
-    library = cache_directory() / "bench" / name
-
-    if not library.exists():
-        with replacing(library) as path:
-            command = [sys.executable, "-m", "ziglang", "c++", "-std=c++17", "-O3", "-DNDEBUG"]
-            command += ["-march=native", "-s", "-w", "-fPIC", "-shared"]
-            command += [f"-I{folder}" for folder in dict.fromkeys(folders)]
-            command += [str(source), "-o", str(path)]
-            done = subprocess.run(command, capture_output=True, text=True)
-
-            if done.returncode:
-                message = done.stderr.strip().partition("\n")[0]
-                raise Missing(f"Pinocchio's headers do not compile: {message}")
-
-    return ctypes.CDLL(str(library))
+def compiled_with_pinocchio(name: str) -> ctypes.CDLL:
+    """A source beside this file that needs Pinocchio's headers, as a library. Raises Missing."""
+    folders = list(dict.fromkeys(_include_folders()))
+    return compiled(name, folders=folders, versions=(Pinocchio.version(),))
 
 
 class MuJoCo:

@@ -30,8 +30,7 @@ class ExudynMotion:
     """Exudyn: explicit solvers on minimal coordinates or Lie groups, implicit ones on everything else."""
 
     name = "Exudyn"
-    ours = False
-    packaged = True
+    kind = "package"
     preparing = "loading Exudyn"
     how = (
         "without loops, DOPRI5 at every tolerance and RK67 at every step: ObjectKinematicTree for "

@@ -21,8 +21,7 @@ class MuJoCoMotion:
     """MuJoCo's classical Runge-Kutta method: of its integrators the one of highest order."""
 
     name = "MuJoCo"
-    ours = False
-    packaged = True
+    kind = "package"
     preparing = "loading MuJoCo"
     how = (
         "RK4, mj_step for all steps between two reference times in one call; contacts and all else that "

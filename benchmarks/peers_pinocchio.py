@@ -7,25 +7,25 @@ from functools import cache
 import numpy as np
 
 from .contests import Cannot, Setting
-from .peers import Pinocchio, compiled
+from .peers import Pinocchio, compiled_with_pinocchio
 from .problem_files import pose_of
 from .problems import Problem
 from .spanning import SIZES, inertia_matrix, motion_of, spanning_tree, start_of
 
-METHODS = ("Bulirsch-Stoer", "Fehlberg 7(8)", "Dormand-Prince 5(4)")
+METHODS = ("8(5,3)", "Bulirsch-Stoer", "Fehlberg 7(8)", "Dormand-Prince 5(4)")
 KINDS = tuple(SIZES)
 
 
 class PinocchioMotion:
-    """Its articulated-body algorithm in Boost's adaptive integrators."""
+    """Its articulated-body algorithm in adaptive integrators, ours and Boost's."""
 
     name = "Pinocchio"
-    ours = False
-    packaged = False  # it integrates nothing: the loop around it is ours
+    kind = "loop"  # it integrates nothing: the loop around it is ours
     preparing = "compiling Pinocchio's headers (minutes, once)"
     how = (
-        "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); Boost's "
-        f"adaptive integrators {', '.join(METHODS)}, each at every tolerance, the best of them counting; "
+        "aba in a loop in C++, all compiled for this processor (zig's clang, -O3 -march=native); a pair of "
+        f"order {METHODS[0]} with our tableau, and Boost's adaptive integrators {', '.join(METHODS[1:])}, "
+        "each at every tolerance, the best of them counting; "
         "quaternions as coordinates; spring-dampers by external forces. It has no integrators of its own"
     )
 
@@ -138,7 +138,7 @@ class PinocchioRun:
 def _library():
     """The compiled loop. Raises Missing."""
     Pinocchio.version()
-    library = compiled("pinocchio_motion.cpp")
+    library = compiled_with_pinocchio("pinocchio_motion.cpp")
     reals = np.ctypeslib.ndpointer(np.float64, flags="C")
     handle, integer, real = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
     library.motion_new.argtypes, library.motion_new.restype = [reals], handle

@@ -1,10 +1,12 @@
-// Motion of a tree of bodies by Pinocchio's forward dynamics and Boost's integrators, all in C++.
+// Motion of a tree of bodies by Pinocchio's forward dynamics and adaptive integrators, ours and Boost's, all in C++.
 
 #define BOOST_MPL_LIMIT_LIST_SIZE 30
 #define BOOST_MPL_CFG_NO_PREPROCESSED_HEADERS
 
 #include <string>
 #include <vector>
+
+#include "dop853.h"
 
 #include <boost/numeric/odeint/integrate/integrate_adaptive.hpp>
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
@@ -25,7 +27,7 @@ using Vector3 = Eigen::Map<const Eigen::Vector3d>;
 using Matrix3 = Eigen::Map<const Eigen::Matrix3d>;
 
 enum Kind { REVOLUTE, PRISMATIC, SPHERICAL, FREE };
-enum Method { EXTRAPOLATION, FEHLBERG, DOPRI };
+enum Method { PAIR_853, EXTRAPOLATION, FEHLBERG, DOPRI };
 
 struct Spring {
   int joint[2];
@@ -124,6 +126,16 @@ static void rates(System &s, const State &x, State &dx) {
   }
 }
 
+// the same between plain arrays
+static void plain_rates(void *system, const double *x, double *rate) {
+  System &s = *static_cast<System *>(system);
+  static thread_local State state, found;
+  state.assign(x, x + s.model.nq + s.model.nv);
+  found.resize(state.size());
+  rates(s, state, found);
+  std::copy(found.begin(), found.end(), rate);
+}
+
 extern "C" System *motion_new(const double *gravity) {
   System *s = new System();
   s->model.gravity.linear() = Eigen::Map<const Eigen::Vector3d>(gravity);
@@ -214,7 +226,9 @@ extern "C" long motion_run(System *s, const double *x0, const double *times, int
   s->evaluations = 0;
 
   try {
-    if (method == EXTRAPOLATION) {
+    if (method == PAIR_853) {
+      return dop853(plain_rates, s, x.size(), x.data(), times, n, tolerance, rows);
+    } else if (method == EXTRAPOLATION) {
       run(*s, bulirsch_stoer<State>(tolerance, tolerance), x, times, n, rows);
     } else if (method == FEHLBERG) {
       run(*s, make_controlled(tolerance, tolerance, Fehlberg()), x, times, n, rows);

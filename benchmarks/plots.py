@@ -12,7 +12,7 @@ OUR_STYLES = (
     ("#08519c", "o"), ("#4292c6", "s"), ("#006d5b", "D"), ("#5e3c99", "^"),
     ("#41ab5d", "v"), ("#00c2c7", "P"), ("#252525", "X"), ("#8c96c6", "*"),
 )  # fmt: skip
-PEER_STYLES = (("#d7301f", "o"), ("#fd8d3c", "s"), ("#8c510a", "D"), ("#dd1c77", "^"))
+PEER_STYLES = (("#d7301f", "o"), ("#fd8d3c", "s"), ("#8c510a", "D"), ("#dd1c77", "^"), ("#7f7f7f", "*"))
 
 
 def error_figure(report):
@@ -36,7 +36,7 @@ def error_figure(report):
                 continue
 
             color, mark = styles[name]
-            ours = report.contestants[name]["ours"]
+            ours = report.contestants[name]["kind"] == "ours"
             front = np.array([(p["cpu_s"], p["error"]) for p in front_of(shown)]).T
             every = np.array([(p["cpu_s"], p["error"]) for p in shown]).T
             front[1], every[1] = np.maximum(front[1], 1e-16), np.maximum(every[1], 1e-16)
@@ -72,7 +72,7 @@ def error_figure(report):
 
 
 def _styles(report):
-    ours = [name for name, contestant in report.contestants.items() if contestant["ours"]]
+    ours = [name for name, contestant in report.contestants.items() if contestant["kind"] == "ours"]
     peers = [name for name in report.contestants if name not in ours]
     styles = {name: OUR_STYLES[k % len(OUR_STYLES)] for k, name in enumerate(ours)}
     return styles | {name: PEER_STYLES[k % len(PEER_STYLES)] for k, name in enumerate(peers)}

@@ -19,14 +19,15 @@ from .fmu_costs import export_costs, fmu_costs
 from .machine import machine, own_versions
 from .markdown import figures, markdown, milliseconds, power
 from .peers import peers_here
+from .peers_by_hand import ByHand
 from .peers_exudyn import ExudynMotion
 from .peers_mujoco import MuJoCoMotion
 from .peers_pinocchio import PinocchioMotion
 from .problems import PROBLEMS, Problem
 from .steppers import STEPPERS
 
-PEERS = (PinocchioMotion, MuJoCoMotion, ExudynMotion)
-QUICK_PEERS = (MuJoCoMotion, ExudynMotion)
+PEERS = (PinocchioMotion, MuJoCoMotion, ExudynMotion, ByHand)
+QUICK_PEERS = (MuJoCoMotion, ExudynMotion, ByHand)
 NAME = "speed_against_error"
 
 
@@ -35,13 +36,11 @@ class SpeedReport:
     """What was measured.
 
     machine, versions, missing : by name.
-    contestants : name -> `how` it was used, whether it is `ours`, and whether it is `packaged`: integrates by
-        itself.
+    contestants : name -> `how` it was used, and its `kind` (see contests.KINDS).
     problems : of each: `name`, `title`, `source`, `how_obtained`, `digits`, `results`: contestant -> points
         (see contests.Point).
     at : error -> problem -> contestant -> CPU seconds, or None where it was not reached.
-    evaluation : cost of the accelerations.
-    fmu, export : see fmu_costs.
+    evaluation : cost of the accelerations. fmu, export : see fmu_costs. None beside single problems.
     """
 
     machine: dict[str, str]
@@ -50,14 +49,14 @@ class SpeedReport:
     contestants: dict[str, dict]
     problems: list[dict]
     at: dict[str, dict]
-    evaluation: EvaluationCosts
-    fmu: dict
-    export: dict
+    evaluation: EvaluationCosts | None
+    fmu: dict | None
+    export: dict | None
 
     def as_dict(self) -> dict:
         """All figures, for JSON."""
         found = {field.name: getattr(self, field.name) for field in fields(self)}
-        return found | {"evaluation": self.evaluation.as_dict()}
+        return found | {"evaluation": self.evaluation and self.evaluation.as_dict()}
 
     def save(self, folder: str | os.PathLike) -> list[Path]:
         """Writes the figures (JSON), the report (Markdown) and, where matplotlib is, its pictures (PNG) into
@@ -88,31 +87,32 @@ class SpeedReport:
         try:
             from .plots import error_figure, evaluation_figure
 
-            return {
-                f"{NAME}.png": error_figure(self),
-                "evaluation_cost.png": evaluation_figure(self.evaluation),
-            }
+            found = {f"{NAME}.png": error_figure(self)}
+            return found | (
+                {"evaluation_cost.png": evaluation_figure(self.evaluation)} if self.evaluation else {}
+            )
         except ImportError:
             return {}
 
     def standing(self, aim: float, problem: str) -> dict:
         """Who needs how much CPU time for an error: the best (name, s) of `ours`, of the packaged peers
-        (`package`) and of all (`peer`), or None; the ratios `package_ratio` and `peer_ratio` of these to
-        ours, or None; and `all`.
+        (`package`), of all peers (`peer`) and of what was written for that mechanism alone (`limit`), or
+        None; the ratios `package_ratio`, `peer_ratio` and `limit_ratio` of these to ours, or None; and `all`.
         """
         times = {name: s for name, s in self.at[f"{aim:g}"][problem].items() if s}
         groups = {
-            "ours": lambda contestant: contestant["ours"],
-            "package": lambda contestant: contestant["packaged"] and not contestant["ours"],
-            "peer": lambda contestant: not contestant["ours"],
+            "ours": ("ours",),
+            "package": ("package",),
+            "peer": ("package", "loop"),
+            "limit": ("limit",),
         }
         found = {"all": times}
 
-        for group, belongs in groups.items():
-            members = [(name, s) for name, s in times.items() if belongs(self.contestants[name])]
+        for group, kinds in groups.items():
+            members = [(name, s) for name, s in times.items() if self.contestants[name]["kind"] in kinds]
             found[group] = min(members, key=lambda pair: pair[1], default=None)
 
-        for group in ("package", "peer"):
+        for group in ("package", "peer", "limit"):
             both = found["ours"] and found[group]
             found[f"{group}_ratio"] = found[group][1] / found["ours"][1] if both else None
 
@@ -123,21 +123,22 @@ class SpeedReport:
         lines = [f"{name}: left out, {why}" for name, why in self.missing.items()]
         lines.append(", ".join(f"{name} {text}" for name, text in self.versions.items()))
         lines.append(", ".join(self.machine.values()))
-        return Group(self.evaluation, *tables, self._fmu_table(), *lines)
+        beside = [self.evaluation, self._fmu_table()] if self.evaluation else []
+        return Group(*beside, *tables, *lines)
 
     def _aim_table(self, aim):
-        peers = [name for name, contestant in self.contestants.items() if not contestant["ours"]]
-        title = f"CPU time (ms) for an error of {power(aim)}; ratios to ours: best package, best of all"
+        peers = [name for name, contestant in self.contestants.items() if contestant["kind"] != "ours"]
+        title = f"CPU time (ms) for an error of {power(aim)}; ratios to ours: package, all, limit"
         table = Table(title=title)
         table.add_column("problem")
 
-        for heading in ("ours", *peers, "package", "all"):
+        for heading in ("ours", *peers, "package", "all", "limit"):
             table.add_column(heading, justify="right")
 
         for problem in self.problems:
             standing = self.standing(aim, problem["name"])
             ours = standing["ours"]
-            ratios = [standing[f"{group}_ratio"] for group in ("package", "peer")]
+            ratios = [standing[f"{group}_ratio"] for group in ("package", "peer", "limit")]
             table.add_row(
                 problem["title"],
                 f"{figures(1e3 * ours[1])} ({ours[0]})" if ours else "-",
@@ -169,14 +170,15 @@ def run_report(
     """Measures our steppers and the peers that are installed, in one run.
 
     quick : few problems, settings and sizes, and no peer that takes minutes to compile.
-    names : of problems, instead of all (or of the quick ones).
+    names : of problems, instead of all (or of the quick ones), and of nothing beside them.
     progress : called with the fraction done and what comes next.
 
     The report prints itself with rich. Raises ValueError for an unknown problem.
     """
     progress = progress or (lambda fraction, text: None)
+    names = list(names)
     problems = chosen_problems(names, quick)
-    evaluation = evaluation_costs(quick, lambda fraction, text: progress(0.25 * fraction, text))
+    evaluation = None if names else evaluation_costs(quick, lambda k, text: progress(0.25 * k, text))
     steppers, missing = known_steppers()
     peers, versions, without = peers_here(QUICK_PEERS if quick else PEERS, lambda text: progress(0.25, text))
     contestants = [*steppers, *(peer() for peer in peers)]
@@ -204,14 +206,12 @@ def run_report(
         machine=machine(),
         versions=own_versions() | versions,
         missing=missing | without,
-        contestants={
-            it.name: {"how": it.how, "ours": it.ours, "packaged": it.packaged} for it in contestants
-        },
+        contestants={it.name: {"how": it.how, "kind": it.kind} for it in contestants},
         problems=rows,
         at={f"{aim:g}": {row["name"]: _times_at(row, aim) for row in rows} for aim in AIMS},
         evaluation=evaluation,
-        fmu=fmu_costs(quick, lambda text: progress(0.9, text)),
-        export=export_costs(quick, lambda text: progress(0.95, text)),
+        fmu=None if names else fmu_costs(quick, lambda text: progress(0.9, text)),
+        export=None if names else export_costs(quick, lambda text: progress(0.95, text)),
     )
 
     progress(1.0, "done")

@@ -27,8 +27,7 @@ class Stepper:
     name: str
     how: str
     fixed: bool = False
-    ours = True
-    packaged = True
+    kind = "ours"
 
     def settings(self, problem: Problem) -> list[Setting]:
         """From loose to tight."""

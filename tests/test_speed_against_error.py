@@ -11,8 +11,10 @@ import pytest
 from rich.console import Console
 
 from benchmarks import __main__ as benchmarks
-from benchmarks import contests, evaluation, peers, speed_against_error
+from benchmarks import contests, evaluation, speed_against_error
 from benchmarks.contests import Cannot, Limits, Setting, contest, cpu_at, front_of
+from benchmarks.native import Missing
+from benchmarks.peers_by_hand import SYSTEMS, ByHand
 from benchmarks.peers_exudyn import ExudynMotion
 from benchmarks.peers_mujoco import MuJoCoMotion
 from benchmarks.peers_pinocchio import PinocchioMotion
@@ -123,6 +125,14 @@ def test_peers_move_as_the_reference(peer, module, problem):
     assert min(errors) < NEAR[peer.name]
 
 
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_equations_by_hand_are_those_of_the_problem(name):
+    problem = next(problem for problem in PROBLEMS if problem.name == name)
+    problem = short(problem, 4)
+    errors = [problem.error(ByHand().prepare(problem, s).run()[1]) for s in ByHand().settings(problem)]
+    assert errors[-1] < 2e-10 and errors[1] > 100 * errors[-1]
+
+
 @pytest.mark.parametrize("peer, module", [(MuJoCoMotion, "mujoco"), (ExudynMotion, "exudyn")])
 def test_what_a_peer_cannot_is_told(peer, module):
     pytest.importorskip(module)
@@ -138,7 +148,7 @@ def test_what_a_peer_cannot_is_told(peer, module):
 class Made:
     """A contestant whose runs take what its settings say: (CPU seconds, error as a shift of x, reason)."""
 
-    name, how, ours, packaged = "made", "", True, True
+    name, how, kind = "made", "", "ours"
 
     def __init__(self, *plans):
         self.plans = plans
@@ -210,11 +220,11 @@ def test_errors_forget_signs_of_quaternions_and_full_turns():
 
 def test_the_report_is_written_whole(monkeypatch, tmp_path):
     monkeypatch.setattr(evaluation, "QUICK_SIZES", (8, 16))
-    monkeypatch.setattr(speed_against_error, "QUICK_PEERS", (Absent,))
+    monkeypatch.setattr(speed_against_error, "QUICK_PEERS", (Absent, ByHand))
+    chosen = speed_against_error.chosen_problems(["double_pendulum_bars", "four_bar"], True)
+    monkeypatch.setattr(speed_against_error, "chosen_problems", lambda names, quick: chosen)
     seen = []
-    report = speed_against_error.run_report(
-        True, ["double_pendulum_bars", "four_bar"], lambda done, text: seen.append(done)
-    )
+    report = speed_against_error.run_report(True, progress=lambda done, text: seen.append(done))
     written = report.save(tmp_path)
     assert seen == sorted(seen) and seen[-1] == 1.0
     figures = json.loads((tmp_path / "speed_against_error.json").read_text())
@@ -229,6 +239,8 @@ def test_the_report_is_written_whole(monkeypatch, tmp_path):
         )
 
     assert figures["at"]["1e-08"]["four_bar"]["rk853"] > 0
+    standing = report.standing(1e-8, "four_bar")
+    assert standing["limit"][0] == "by hand" and standing["peer"] is None and standing["limit_ratio"] > 0
     text = (tmp_path / "speed_against_error.md").read_text()
 
     for words in (
@@ -252,11 +264,11 @@ def test_the_report_is_written_whole(monkeypatch, tmp_path):
 
 
 class Absent:
-    name, how, ours, preparing = "absent", "", False, "looking for it"
+    name, how, kind, preparing = "absent", "", "package", "looking for it"
 
     @classmethod
     def version(cls):
-        raise peers.Missing("not here (pip install absent)")
+        raise Missing("not here (pip install absent)")
 
 
 def test_an_unknown_problem_is_told_with_those_there_are():
@@ -277,8 +289,10 @@ def test_quick_ones_are_some_of_all():
 def test_the_command_measures_one_problem(capsys, tmp_path):
     assert benchmarks.main(["--quick", "--problem", "double_pendulum_bars", "-o", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
-    assert "bodies" in printed and "double pendulum" in printed
-    assert json.loads((tmp_path / "speed_against_error.json").read_text())
+    assert "double pendulum" in printed and "bodies" not in printed  # nothing else is measured
+    figures = json.loads((tmp_path / "speed_against_error.json").read_text())
+    assert figures["problems"] and figures["evaluation"] is None
+    assert "What an FMU adds" not in (tmp_path / "speed_against_error.md").read_text()
 
 
 @pytest.mark.parametrize(
