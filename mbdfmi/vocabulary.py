@@ -238,6 +238,23 @@ SIX_BY_SIX_OUTPUTS = table(
 
 LOAD_OUTPUTS = table(Quantity("power", "W"))
 
+HYDROSTATICS_OUTPUTS = table(
+    Quantity("volume", "m3", words="displaced volume"),
+    Quantity("center_of_buoyancy", "m", 3, "centre of the displaced volume in the inertial frame"),
+    Quantity("draught", "m", words="depth of the lowest point"),
+    Quantity("waterplane_area", "m2", words="area of the waterplane"),
+    Quantity("waterplane_center", "m", 3, "centre of the waterplane in the inertial frame"),
+    Quantity(
+        "waterplane_moments",
+        "m4",
+        3,
+        "second moments of the waterplane about its centre (of y^2, of x^2, of x y), in inertial axes",
+    ),
+    Quantity("force", "N", 3, "force of the water in the inertial frame"),
+    Quantity("moment", "N.m", 3, "moment of the water about the marker's origin, in the inertial frame"),
+    Quantity("power", "W", words="power on the body"),
+)
+
 COUPLING_OUTPUTS = table(Quantity("efforts", words="effort"))
 """Along the coordinates of its joints, one each, in their units."""
 

@@ -240,6 +240,10 @@ def add_measures(builder):
             )
 
 
+# sums that buoyancy is part of where there is any
+OF_WATER = ("potential_energy", "spring_energy")
+
+
 def add_scene_outputs(builder):
     """Outputs of the whole scene."""
     for output in builder.scene.output:
@@ -263,7 +267,12 @@ def add_scene_outputs(builder):
         elif output == "input_power":
             fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves]
 
-        builder.add_outputs(output, Source(SCENE_KINDS[output]), quantity.unit, quantity.text, nodes, fed_by)
+        text = quantity.text
+
+        if output in OF_WATER and builder.tables["n_hull"].length:
+            text += " and buoyancy"
+
+        builder.add_outputs(output, Source(SCENE_KINDS[output]), quantity.unit, text, nodes, fed_by)
 
 
 def add_ground_outputs(builder):

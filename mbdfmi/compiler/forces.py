@@ -11,6 +11,7 @@ from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
 from .start import start_pose
 from .variables import dotted
+from .water import add_hydrostatics
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
@@ -218,4 +219,5 @@ ELEMENTS = {
     "linear": _add_six_by_six,
     "bushing": _add_six_by_six,
     "load": _add_load,
+    "hydrostatics": add_hydrostatics,
 }

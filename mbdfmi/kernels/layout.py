@@ -34,6 +34,10 @@ COUNTS = (
     "n_effort_input",
     "n_load",  # wrenches on a marker, constant or over time
     "n_central",  # 1: central gravity
+    "n_hull",  # closed hulls that water carries
+    "n_hull_vertex",
+    "n_polygon",  # their faces
+    "n_corner",  # corners of these
     "n_constraint",  # joints that close loops, rolling, couplings
     "n_row",  # their scalar equations
     "n_term",  # joint coordinates in couplings and in drives of joints that close loops
@@ -135,6 +139,14 @@ ARRAYS = (
     Array("load_axes", "ints", 1, "n_load", "marker in whose axes it is given, 0: inertial"),
     Array("load_force_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
     Array("load_moment_table", "ints", 1, "n_load", "first of 3 tables over time, -1: none"),
+    Array("hull_marker", "ints", 1, "n_hull", "marker that it is fixed to"),
+    Array("hull_vertex", "ints", 1, "n_hull", "first vertex"),
+    Array("hull_vertices", "ints", 1, "n_hull", "number of these"),
+    Array("hull_polygon", "ints", 1, "n_hull", "first polygon"),
+    Array("hull_polygons", "ints", 1, "n_hull", "number of these"),
+    Array("polygon_corner", "ints", 1, "n_polygon", "first corner"),
+    Array("polygon_corners", "ints", 1, "n_polygon", "number of these"),
+    Array("corner_vertex", "ints", 1, "n_corner", "vertex, turning left seen from outside"),
     Array("constraint_from", "ints", 1, "n_constraint", "first marker"),
     Array("constraint_to", "ints", 1, "n_constraint", "second marker"),
     Array("constraint_row", "ints", 1, "n_constraint", "first row"),
@@ -257,6 +269,7 @@ ARRAYS = (
     Array("load_force", "reals", 3, "n_load", "N"),
     Array("load_moment", "reals", 3, "n_load", "N m"),
     Array("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
+    Array("hull_density", "reals", 1, "n_hull", "kg/m3, of the water"),
     Array("row_value", "reals", 1, "n_row", "m: length, radius; or cosine of an angle"),
     Array("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Array("term_factor", "reals", 1, "n_term", "of the coordinate"),
@@ -287,6 +300,7 @@ ARRAYS = (
     Array("solid_A", "reals", 9, "n_solid", "user's body axes to the node's"),
     Array("marker_r", "reals", 3, "n_marker", "m, in the node"),
     Array("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
+    Array("vertex_r", "reals", 3, "n_hull_vertex", "m, in the axes of the hull's marker"),
     Array("x_nominal", "reals", 1, "n_x", "size that the states have, for integrators outside"),
     # state
     Array("time", "state", 2, 1, "s, time reached and the rounding left over from summing it"),
@@ -403,6 +417,7 @@ ARRAYS = (
     Array("M", "work", 6, "n_body", "translational block"),
     Array("moment", "work", 3, "n_body", "N m, applied, about the origin"),
     Array("force", "work", 3, "n_body", "N, applied"),
+    Array("hull_point", "work", 3, "n_hull_vertex", "m, in inertial axes, x and y from the marker, z from the water plane"),
     Array("alpha", "work", 3, "n_body", "rad/s2, angular acceleration"),
     Array("rdd", "work", 3, "n_body", "m/s2, acceleration of the origin"),
     # work: articulated bodies (ABA) and composite bodies (CRBA)

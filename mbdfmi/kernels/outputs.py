@@ -12,6 +12,7 @@ from .forces import (
     central_gravity,
     friction,
     gravity_gradient,
+    hydrostatics,
     joint_springs,
     loads,
     six_by_six,
@@ -110,6 +111,16 @@ GROUND_MOMENT = 59
 CONTACT_POINT = 65
 NORMAL_FORCE = 66
 FRICTION_FORCE = 67
+# of hull a
+HULL_VOLUME = 71
+HULL_CENTER = 72
+WATERPLANE_AREA = 73
+WATERPLANE_CENTER = 74
+WATERPLANE_MOMENTS = 75
+HULL_DRAUGHT = 76
+HULL_FORCE = 77
+HULL_MOMENT = 78
+HULL_POWER = 79
 # of the whole scene
 INPUTS_POWER = 60
 LOADS_POWER = 61
@@ -121,6 +132,7 @@ VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
 VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
 VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT, END_FRAME_AXIS}
 VECTORS |= {CONTACT_POINT, FRICTION_FORCE}
+VECTORS |= {HULL_CENTER, WATERPLANE_CENTER, WATERPLANE_MOMENTS, HULL_FORCE, HULL_MOMENT}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
 
 # what they need beside kinematics: bits of `output_needs`
@@ -260,6 +272,34 @@ def write_linear_output(m, d, kind, a, at, y):
     else:
         moment, force = six_by_six.wrench(m, d, a)
         al.set_vec_at(y, at, force if kind == LINEAR_FORCE else moment)
+
+
+@kernel
+def write_hull_output(m, d, kind, a, at, y):
+    """An output of hull a into y from `at` on."""
+    if kind == HULL_POWER:
+        y[at] = hydrostatics.power_of(m, d, a)
+
+    elif kind == HULL_DRAUGHT:
+        y[at] = hydrostatics.draught(m, d, a)
+
+    elif kind == HULL_FORCE or kind == HULL_MOMENT:
+        moment, force = hydrostatics.wrench(m, d, a)
+        al.set_vec_at(y, at, force if kind == HULL_FORCE else moment)
+
+    elif kind == HULL_VOLUME:
+        y[at] = hydrostatics.displaced(m, d, a)[0]
+
+    elif kind == HULL_CENTER:
+        al.set_vec_at(y, at, hydrostatics.center(m, d, a, hydrostatics.displaced(m, d, a)))
+
+    else:
+        area, center, moments = hydrostatics.waterplane(m, d, a)
+
+        if kind == WATERPLANE_AREA:
+            y[at] = area
+        else:
+            al.set_vec_at(y, at, center if kind == WATERPLANE_CENTER else moments)
 
 
 @kernel
@@ -433,6 +473,9 @@ def write_outputs(m, d, y):
 
         elif LINEAR_FORCE <= kind <= LINEAR_POWER:
             write_linear_output(m, d, kind, a, at, y)
+
+        elif HULL_VOLUME <= kind <= HULL_POWER:
+            write_hull_output(m, d, kind, a, at, y)
 
         elif kind == LOAD_POWER:
             y[at] = loads.power_of(m, d, a)

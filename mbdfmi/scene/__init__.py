@@ -44,6 +44,7 @@ from .names import fmi_name, variable_name
 from .prescribed import Prescribed
 from .reader import parse_scene, read_scene
 from .schema import SceneData, Solver
+from .water import Hydrostatics, Sea
 from .writer import write_scene
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "Gear",
     "Ground",
     "GroundMarker",
+    "Hydrostatics",
     "Joint",
     "KnifeEdge",
     "Linear",
@@ -87,6 +89,7 @@ __all__ = [
     "SceneError",
     "Screw",
     "ScrewCoupling",
+    "Sea",
     "Solver",
     "Spherical",
     "SpringDamper",

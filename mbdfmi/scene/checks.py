@@ -20,6 +20,7 @@ from .errors import (
     listed,
     place_text,
     quoted,
+    show,
 )
 from .names import FRAMES, fmi_name
 from .surfaces import CONVEX, HOLLOW
@@ -94,6 +95,22 @@ def unfit_shapes(scene):
                 text = f"the curve on {quoted(end)} must lie in a plane z = constant"
                 problems.append(Problem(("joint", name, "between"), text))
     return problems
+
+
+def unfit_water(scene):
+    """The problems of a valid scene in which water has no weight, or one that does not point at its bottom."""
+    x, y, z = scene.gravity
+
+    if x == y == 0.0 > z:
+        return []
+
+    found = "central_gravity" if scene.central_gravity else f"gravity {show(scene.gravity)}"
+    text = f"water lies in the plane z = 0, so gravity must point along -z; found {found}"
+    return [
+        Problem(("force", name, force.kind), text)
+        for name, force in scene.force.items()
+        if force.kind == "hydrostatics"
+    ]
 
 
 def clashes(scene):

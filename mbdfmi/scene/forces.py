@@ -22,6 +22,7 @@ from .fields import (
     number_or,
 )
 from .tables import Ascending, EffortDamper, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
+from .water import Hydrostatics
 
 
 class SpringDamperOptions(Part):
@@ -319,4 +320,4 @@ class Linear(Part):
         return self
 
 
-Force = by_key("a force", SpringDamper, Torsion, Linear, Bushing, Load)
+Force = by_key("a force", SpringDamper, Torsion, Linear, Bushing, Load, Hydrostatics)

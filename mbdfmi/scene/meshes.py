@@ -112,26 +112,32 @@ def enclosed(file, scale):
 
     Raises ValueError that names the holes of one that is not closed.
     """
+    mesh = closed_mesh(file, scale, "a solid")
+    volume, centre = float(mesh.volume), np.array(mesh.center_mass)
+    mesh.density = 1.0
+    inertia = np.array(mesh.moment_inertia)
+    return volume, centre, (inertia + inertia.T) / 2
+
+
+def closed_mesh(file, scale, what):
+    """The `trimesh.Trimesh` of a mesh file, whose triangles turn left seen from outside.
+
+    what : is made of it. Raises ValueError that names the holes of one that is not closed.
+    """
     mesh = load_mesh(file, scale)
 
     # files of separate triangles say by places alone which corners are one
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
 
     if not mesh.is_watertight:
-        raise ValueError(
-            f"{file.path}: {_holes(mesh)}; a solid needs a closed surface (as a look it will do)"
-        )
+        raise ValueError(f"{file.path}: {_holes(mesh)}; {what} needs a closed surface (as a look it will do)")
     if not mesh.is_winding_consistent:
         mesh.fix_normals(multibody=True)
     if mesh.volume < 0:
         mesh.invert()
     if not mesh.volume > 0:
         raise ValueError(f"{file.path}: encloses no volume")
-
-    volume, centre = float(mesh.volume), np.array(mesh.center_mass)
-    mesh.density = 1.0
-    inertia = np.array(mesh.moment_inertia)
-    return volume, centre, (inertia + inertia.T) / 2
+    return mesh
 
 
 def _holes(mesh):

@@ -6,7 +6,7 @@ from pydantic import Field, ValidationError, model_validator
 from ..steppers import STEPPERS
 from ..vocabulary import SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
-from .checks import clashes, cross_references, unfit_shapes
+from .checks import clashes, cross_references, unfit_shapes, unfit_water
 from .couplings import Coupling
 from .errors import SceneError
 from .experiment import Experiment
@@ -18,6 +18,7 @@ from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
 from .notices import notices
+from .water import Sea
 from .writer import toml_text
 
 
@@ -110,6 +111,7 @@ class SceneData(Part):
     name : free text.
     title, description : free text, or None.
     central_gravity : or None.
+    sea : or None.
     gravity : (3,) in m/s2 in the inertial frame; [0, 0, -9.81] when left out, 0 with central_gravity.
     output : names of SCENE_OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
@@ -126,6 +128,7 @@ class SceneData(Part):
     title: Title | None = None
     description: Text | None = None
     central_gravity: CentralGravity | None = None
+    sea: Sea | None = None
     gravity: Vector = Field(default_factory=_gravity)
     output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
@@ -160,7 +163,7 @@ class SceneData(Part):
         if not problems:
             problems += unfit_shapes(scene)
         if scene:
-            problems += clashes(scene)
+            problems += clashes(scene) + unfit_water(scene)
         if problems:
             raise SceneError(sorted(problems, key=lambda problem: _order(problem.path, data)))
         return scene

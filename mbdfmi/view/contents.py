@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiler.frames import axes_with_z
+from ..compiler.hulls import hull_of
 from ..scene.end_frames import END_FRAMES
 from ..scene.fields import unit_vector
 from ..scene.looks import red_green_blue
@@ -15,13 +16,14 @@ from ..scene.meshes import load_mesh, mesh_parts
 from . import curves, forms
 
 PALETTE = ("#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#ff9da7", "#9c755f")
-GROUND, TRACK, SPRING = "#8c949c", "#5b6b7a", "#7a5195"
+GROUND, TRACK, SPRING, SEA = "#8c949c", "#5b6b7a", "#7a5195", "#2f7fb5"
 
 # joints that leave nothing to see at the ground
 LOOSE = ("free", "translation", "planar", "rolling_disk", "rolling_sphere", *(cls.kind for cls in END_FRAMES))
 
 # how much of a guess is seen
 GUESS = 0.45
+SEEN_THROUGH = 0.35
 
 # of the scene's size: radius of sticks, of point masses
 STICK = 0.007
@@ -57,13 +59,14 @@ def pieces(scene, size) -> list[Piece]:
     for k, (name, body) in enumerate(scene.body.items()):
         colour = red_green_blue(body.colour or PALETTE[k % len(PALETTE)])
         drawn = _looks(scene, name, body, colour, size) or _solids(name, body, colour, size)
+        drawn = drawn or _hulls(scene, name, colour)
         found += drawn or _guess(scene, name, body, ends.get(name, {}), colour, size)
         found += _tracks(name, body, size)
 
     colour = red_green_blue(scene.ground.colour or GROUND)
     drawn = _looks(scene, "ground", scene.ground, colour, size)
     found += drawn or _feet(scene, ends.get("ground", {}), colour, size)
-    return found + _tracks("ground", scene.ground, size)
+    return found + _tracks("ground", scene.ground, size) + _water(scene, size)
 
 
 def check_meshes(scene):
@@ -200,6 +203,32 @@ def _solids(name, body, colour, size):
             surface = _placed(solid, form, position, A)
         found.append(Piece(name, surface, colour))
     return found
+
+
+def _hulls(scene, name, colour):
+    """What water carries of a body that is drawn in no other way."""
+    found = []
+
+    for force in scene.force.values():
+        if force.kind == "hydrostatics" and force.on.split(".")[0] == name:
+            _, r, A = scene.marker_pose(force.on)
+            position, turn = force.hydrostatics.pose()
+            points, polygons = hull_of(force.hydrostatics)
+            fans = [[p[0], a, b] for p in polygons for a, b in itertools.pairwise(p[1:])]
+            surface = forms.sharp(np.asarray(points, float), np.array(fans))
+            found.append(Piece(name, forms.moved(surface, r + A @ position, A @ turn), colour))
+
+    return found
+
+
+def _water(scene, size):
+    """The plane z = 0 where something floats in it, while the ground stands still."""
+    if scene.ground.motion or not any(force.kind == "hydrostatics" for force in scene.force.values()):
+        return []
+
+    plane = np.array([2.0 * size, 2.0 * size, 1e-4 * size])
+    surface = forms.moved(forms.box(), np.zeros(3), np.eye(3), plane)
+    return [Piece("ground", surface, red_green_blue(SEA), SEEN_THROUGH)]
 
 
 def _guess(scene, name, body, ends, colour, size):

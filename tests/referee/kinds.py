@@ -320,6 +320,21 @@ def forces():
     found["central, with its gradient"] = found["central"] | {
         "central_gravity": {"mu": 9.0, "gradient": True}
     }
+    hulls = {
+        "box": {"box": {"size": [0.6, 0.4, 0.3]}, "position": [0.1, 0, 0], "zyx_deg": [10, 20, 30]},
+        "cylinder": {"cylinder": {"radius": 0.3, "length": 0.8, "sides": 7}},
+        "mesh": {"mesh": {"file": WEDGE, "scale": 0.004}, "position": [0, 0, -0.2]},
+    }
+
+    for name, hull in hulls.items():
+        found[f"hull, {name}"] = pair(
+            hinge(start={"angle": 0.4, "speed": 2.0}),
+            slide(start={"speed": 0.2}),
+            gravity=[0, 0, -9.0],
+            sea={"density": 30.0},
+            force={f"water {k}": {"hydrostatics": hull, "on": on} for k, on in enumerate(("a.side", "b"))},
+        )
+
     turns = {
         "position_deg": [-900.0, 0.0, 60.0, 900.0],
         "effort": [-9.0, 0.0, 2.0, 11.0],

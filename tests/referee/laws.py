@@ -293,7 +293,10 @@ def bears_all(data):
             return False
 
     forces = data.get("force", {}).values()
-    return not any("load" in force or "added_mass" in force.get("linear", {}) for force in forces)
+    return not any(
+        "load" in force or "hydrostatics" in force or "added_mass" in force.get("linear", {})
+        for force in forces
+    )
 
 
 def mass_and_gravity(scene, plan):

@@ -47,6 +47,10 @@ JOINT = {
     ],
 }
 SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}
+HULL = [
+    "volume", "center_of_buoyancy", "draught", "waterplane_area", "waterplane_center", "waterplane_moments",
+    "force", "moment", "power",
+]  # fmt: skip
 SIX = ["force", "moment", "displacement", "rotation", "power"]
 
 
@@ -73,6 +77,9 @@ def all_told(data):
 
     for force in data.get("force", {}).values():
         force["output"] = ["power"] if "load" in force else SIX
+
+        if "hydrostatics" in force:
+            force["output"] = HULL
 
         if "torsion" in force:
             force["output"] = ["angle", "rate", "moment", "spring_moment", "damper_moment", "power"]

@@ -20,6 +20,7 @@ from . import (
     effort_inputs,
     friction,
     gravity_gradient,
+    hydrostatics,
     joint_springs,
     loads,
     six_by_six,
@@ -48,12 +49,14 @@ def apply(m, d):
     loads.add(m, d)
     central_gravity.add(m, d)
     gravity_gradient.add(m, d)
+    hydrostatics.add(m, d)
 
 
 @kernel
 def stored_energy(m, d):
-    """Energy (J) stored in springs, stops and 6x6 forces; that of central gravity is told apart, with the weight's."""
-    return joint_springs.energy(m, d) + stops.energy(m, d) + struts.energy(m, d) + six_by_six.energy(m, d)
+    """Energy (J) stored in springs, stops, 6x6 forces and water; that of central gravity is told apart, with the weight's."""
+    elastic = joint_springs.energy(m, d) + stops.energy(m, d) + struts.energy(m, d) + six_by_six.energy(m, d)
+    return elastic + hydrostatics.energy(m, d)
 
 
 @kernel

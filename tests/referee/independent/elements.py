@@ -1,8 +1,9 @@
-"""Forces between two frames, and on one: struts, 6x6 elements, loads, inputs on bodies."""
+"""Forces between two frames, and on one: struts, 6x6 elements, loads, inputs on bodies; hulls."""
 
 import numpy as np
 
 from .efforts import Elastic
+from .hulls import Hull
 from .interpolation import Table
 from .reading import cross, dotted, listed, si
 
@@ -164,10 +165,12 @@ class Load:
         return self.parts[0](t), self.parts[1](t)
 
 
-def element(given, name, force):
-    """The element of a force's table."""
+def element(given, name, force, sea):
+    """The element of a force's table. sea : the scene's table of that, maybe empty."""
     if "load" in force:
         return Load(given, name, force)
+    if "hydrostatics" in force:
+        return Hull(given, name, force, sea)
 
     kinds = {"spring_damper": Strut, "torsion": Torsion}
     return next((kinds[kind] for kind in kinds if kind in force), Six)(given, name, force)

@@ -219,6 +219,7 @@ class Instant:
 
         for e in system.elements.values():
             adders = {"spring_damper": self._add_strut, "load": self._add_load, "torsion": self._add_torsion}
+            adders["hydrostatics"] = self._add_hull
             adders.get(e.kind, self._add_six)(e)
 
         for name, body in system.data.get("body", {}).items():
@@ -373,6 +374,13 @@ class Instant:
         self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
         e.now = force @ v + moment @ w
         self.load_power += e.now
+
+    def _add_hull(self, e):
+        r, A, v, w = self.frame(e.ends[0])
+        e.now = e.displaced(r, A, -self.system.gravity[2])
+        force, moment = e.now["force"], e.now["moment"]
+        self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
+        e.now["power"] = force @ v + moment @ w
 
     def _add_inputs(self, path, table):
         """Forces and moments that are inputs, at a body's frame or a marker."""

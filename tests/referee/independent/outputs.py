@@ -241,6 +241,8 @@ def _coupled(system, now, joint, multipliers):
 def _tell_element(told, e, table):
     if e.kind == "load":
         values = {"power": e.now}
+    elif e.kind == "hydrostatics":
+        values = {name: value for name, value in e.now.items() if name != "energy"}
     elif e.kind == "torsion":
         angle, rate, (spring, damper) = e.now
         values = {"angle": angle, "rate": rate, "spring_moment": spring, "damper_moment": damper}
@@ -290,6 +292,8 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     for e in system.elements.values():
         if e.kind in ("spring_damper", "torsion"):
             spring += e.spring.energy(e.now[0])
+        elif e.kind == "hydrostatics":
+            spring += e.now["energy"]
         elif e.kind != "load":
             spring += e.energy(e.now[2])
 

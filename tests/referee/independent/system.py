@@ -113,7 +113,10 @@ class System:
         self.ground = Ground((data.get("ground") or {}).get("motion"))
         self.joints = {name: Joint(given, name, table) for name, table in data.get("joint", {}).items()}
         self.couplings = {name: Coupling(name, table) for name, table in data.get("coupling", {}).items()}
-        self.elements = {name: element(given, name, table) for name, table in data.get("force", {}).items()}
+        sea = data.get("sea") or {}
+        self.elements = {
+            name: element(given, name, table, sea) for name, table in data.get("force", {}).items()
+        }
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
             for name, joint in self.joints.items() if joint.kind in COUNT

@@ -3,13 +3,13 @@
 import numpy as np
 
 from ..independent.mass import mass_properties
-from . import inside, kinds, led, looks
+from . import frames, inside, kinds, led, looks
 from .dice import Dice
 
 
 def add(seed, mechanism, forces, gravity):
-    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, surfaces to the ground that
-    nothing touches, meshes to solids."""
+    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, hulls to bodies, surfaces
+    to the ground that nothing touches, meshes to solids."""
     dice = Dice(seed, 1)
 
     for joint in mechanism.joints:
@@ -22,6 +22,9 @@ def add(seed, mechanism, forces, gravity):
     if "central_gravity" in gravity and dice.chance(0.9):
         gravity["central_gravity"]["gradient"] = dice.chance(0.6)
 
+    if gravity.get("gravity", [0, 0, -9.81])[:2] == [0, 0] and gravity.get("gravity", [0, 0, -9.81])[2] < 0:
+        _float(Dice(seed, 7), mechanism, forces, gravity)
+
     dice = Dice(seed, 6)
     for marker in mechanism.ground_marker.values():
         if "surface" not in marker and dice.chance(0.04):
@@ -30,6 +33,26 @@ def add(seed, mechanism, forces, gravity):
             )
 
     looks.add_solid(Dice(seed, 3), mechanism)
+
+
+def _float(dice, mechanism, forces, water):
+    """Maybe hulls on bodies, most of which cut the water plane."""
+    if dice.chance(0.7):
+        water["sea"] = {"density": dice.number(1.0, 20.0)} if dice.chance(0.8) else {}
+
+        for k in range(dice.whole(1, 3)):
+            shape = dice.pick(("box", "cylinder", "mesh"))
+            options = {
+                "box": {"size": dice.numbers(3, 0.3, 1.5)},
+                "cylinder": {"radius": dice.number(0.2, 0.8), "length": dice.number(0.4, 1.5)},
+                "mesh": {"file": looks.WEDGE, "scale": dice.number(0.002, 0.006)},
+            }[shape]
+
+            if shape == "cylinder" and dice.chance(0.7):
+                options["sides"] = float(dice.whole(3, 9))
+
+            hull = {shape: options} | (frames.place(dice, 0.5)[0] if dice.chance(0.6) else {})
+            forces[f"hull {k}"] = {"hydrostatics": hull, "on": dice.pick(mechanism.body)}
 
 
 def lead(seed, mechanism, least):

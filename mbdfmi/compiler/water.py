@@ -1,0 +1,59 @@
+"""What water does to bodies."""
+
+import numpy as np
+
+from ..kernels import outputs
+from ..scene.water import Sea
+from ..vectors import dot
+from ..vocabulary import HYDROSTATICS_OUTPUTS
+from .builder import Place, Source
+from .hulls import hull_of
+from .variables import dotted
+
+# words of the scene -> kinds of kernels/outputs.py
+HYDROSTATICS_KINDS = {
+    "volume": outputs.HULL_VOLUME,
+    "center_of_buoyancy": outputs.HULL_CENTER,
+    "draught": outputs.HULL_DRAUGHT,
+    "waterplane_area": outputs.WATERPLANE_AREA,
+    "waterplane_center": outputs.WATERPLANE_CENTER,
+    "waterplane_moments": outputs.WATERPLANE_MOMENTS,
+    "force": outputs.HULL_FORCE,
+    "moment": outputs.HULL_MOMENT,
+    "power": outputs.HULL_POWER,
+}
+
+
+def add_hydrostatics(builder, name, force, ends):
+    """A hull on a marker."""
+    tables = builder.tables
+    density = (builder.scene.sea or Sea()).density
+    position, A = force.hydrostatics.pose()
+    points, polygons = hull_of(force.hydrostatics)
+    first, first_polygon = tables["n_hull_vertex"].length, tables["n_polygon"].length
+
+    for r in position + dot(np.asarray(points), A.T):
+        tables["n_hull_vertex"].add(vertex_r=r)
+
+    for polygon in polygons:
+        tables["n_polygon"].add(polygon_corner=tables["n_corner"].length, polygon_corners=len(polygon))
+
+        for k in polygon:
+            tables["n_corner"].add(corner_vertex=first + k)
+
+    row = tables["n_hull"].add(
+        hull_marker=ends[0],
+        hull_vertex=first,
+        hull_vertices=len(points),
+        hull_polygon=first_polygon,
+        hull_polygons=len(polygons),
+        hull_density=density,
+    )
+    about = f"density of the water around {name}"
+    builder.add_parameters(dotted(name, "density"), Place("hull_density", row), density, "kg/m3", about)
+
+    for output in force.output:
+        quantity = HYDROSTATICS_OUTPUTS[output]
+        source = Source(HYDROSTATICS_KINDS[output], row)
+        nodes = [builder.node_of(force.on)]
+        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
