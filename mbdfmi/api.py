@@ -114,6 +114,14 @@ class Scene(_scene.SceneData):
 
         return inverse(self._whole(), motion, times, **options)
 
+    def linearise(self, inputs=None, outputs=None, at=None, **options):
+        """A, B, C, D about a state, in minimal coordinates; see `mbdfmi.analysis.linearise.linearise`. Its
+        `modes()` are frequencies, damping, shapes.
+        """
+        from .analysis.linearise import linearise
+
+        return linearise(self._whole(), inputs, outputs, at, **options)
+
     def compare_steppers(self, until, step=None, **options):
         """Error against cost of every stepper on this scene; see
         `mbdfmi.analysis.comparison.compare_steppers`.

@@ -7,7 +7,7 @@ the rank falls for a moment; what holds in every position is looked for at two p
 start.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -133,17 +133,19 @@ class Mechanism:
     1 of each.
     length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
     first : joints that are in the tree before all others. joint_nodes : joint of the tree -> its nodes.
+    parameters, inputs, start_time : as of an `Instance`. model : of the scene, if there is one.
     """
 
-    def __init__(self, scene, first=()):
+    def __init__(self, scene, first=(), parameters=None, inputs=None, start_time=0.0, model=None):
         if scene.solver.formulation == "auto":
             # by joint coordinates, whatever is cheaper to run
             solver = scene.solver.model_copy(update={"formulation": "recursive"})
             scene = scene.model_copy(update={"solver": solver})
 
         self.scene = scene
-        self.model = compile_scene(scene, first)
-        self.instance = Instance(self.model)
+        self.model = compile_scene(scene, first) if model is None else model
+        self._ints = self.model.ints.copy()
+        self.instance = Instance(self.model, parameters, start_time, inputs)
         self.m, self.d = self.instance.m, self.instance.d
         m = self.m
         self.free, rotates = [], []
@@ -180,6 +182,11 @@ class Mechanism:
 
         arms = [arm for arm in arms if arm > 0.0]
         return float(np.mean(arms)) if arms else 1.0
+
+    def again(self, parameters=None, inputs=None, start_time=0.0):
+        """The same scene at its start, with other values; its structure is not made anew."""
+        model = replace(self.model, ints=self._ints.copy())
+        return Mechanism(self.scene, (), parameters, inputs, start_time, model)
 
     # places
 

@@ -101,12 +101,12 @@ def doing(text):
 
 @contextmanager
 def doing_here(text):
-    """Shows on a terminal what takes some time."""
+    """Shows on a terminal what takes some time; yields a function to call with what comes next."""
     if err.is_terminal:
-        with err.status(text):
-            yield
+        with err.status(text) as status:
+            yield status.update
     else:
-        yield
+        yield lambda text: None
 
 
 def compile_first():

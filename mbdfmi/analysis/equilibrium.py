@@ -1,0 +1,284 @@
+"""Static equilibrium: where nothing moves on its own (docs/theory.md 19.6).
+
+From the start downhill, as a body in thick oil would creep (pseudo-transient continuation with a step that
+grows), until Newton's method takes over. Downhill is asked of the work of all efforts along a step, so that
+no energy needs to be known: loads that follow their body are allowed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.dynamics import rates
+from ..kernels.joints import N_V
+from ..kernels.motion import drives
+from .manifold import Manifold, NoState
+
+# furthest step at first (rad, or parts of the scene's length), how far in all before nothing is hoped for,
+# iterations
+STRIDE = 0.3
+FURTHEST = 1e3
+ITERATIONS = 400
+
+# a step (rad, parts of the scene's length) from which on Newton's method finishes, and the last ones
+CLOSE = 1e-5
+FINISHING = 8
+
+# squares of frequencies (1/s2) below that part of the largest are none: a motion without stiffness
+NEUTRAL = 1e-9
+
+# accelerations (rad/s2, or of the scene's length) along such a motion that are not rounding, as part of the
+# largest effort's
+PULLED = 1e-7
+
+# rad, or part of the scene's length, by which an unstable equilibrium is left
+NUDGE = 0.05
+
+
+class NoEquilibrium(NoState):
+    """There is no equilibrium near; the message says what moves away."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """An equilibrium found.
+
+    squares : (n,) squares of the undamped frequencies, 1/s2, ascending; shapes : (n, n) of the independent
+        velocities.
+    error : how far from equilibrium it may be (rad, parts of the scene's length). iterations : of the search.
+    left : unstable equilibria that the search came through.
+    """
+
+    squares: np.ndarray
+    shapes: np.ndarray
+    error: float
+    iterations: int
+    left: int = 0
+
+    @property
+    def stable(self):
+        """True, False, or None where some motion has no stiffness."""
+        if not len(self.squares):
+            return True
+
+        tiny = NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
+        return False if self.squares[0] < -tiny else None if self.squares[0] <= tiny else True
+
+
+def freeze(mechanism):
+    """Drives hold what they move where it is now, and nothing has speed."""
+    m, d = mechanism.m, mechanism.d
+    rates.set_time(m, d, 0.0)
+    drives.prescribe(m, d)
+    targets = [drives.target(m, d, k)[0] if m.drive_body[k] < 0 else 0.0 for k in range(m.n_drive)]
+
+    for k, position in enumerate(targets):
+        i = m.drive_body[k]
+
+        if i >= 0:
+            v = slice(m.body_v[i], m.body_v[i] + N_V[m.body_joint[i]])
+            d.v_rate[v] = 0.0
+            m.drive_body[k] = -1
+        elif m.drive_kind[k] < drives.GROUND_ACCELERATION:
+            m.drive_kind[k] = drives.POLYNOMIAL
+            m.drive_terms[k] = 1
+            m.drive_value[16 * k] = position
+
+    d.v[:] = 0.0
+
+
+def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
+    """Brings a mechanism from where it is to a static equilibrium; the drives hold.
+
+    stay : take the first that is found, stable or not. Raises NoEquilibrium.
+    """
+    freeze(mechanism)
+    manifold = Manifold(mechanism)
+    left, count = 0, 0
+
+    while True:
+        search = _Search(manifold)
+        count += search.run(tell)
+        rest = Rest(search.squares, search.shapes, search.error, count, left)
+
+        if stay or rest.stable is not False:
+            break
+
+        left += 1
+
+        if left > 20:
+            break
+
+        shape = manifold.V @ search.shapes[:, 0]
+        manifold.put(NUDGE * shape / np.abs(shape / manifold.unit).max())
+        manifold.look()
+
+    return manifold, rest
+
+
+class _Search:
+    """A search from the state that a manifold looks at."""
+
+    def __init__(self, manifold):
+        self.manifold = manifold
+        self.unit = manifold.unit
+        self.travel = 0.0
+        self.error = 0.0
+
+    def _see(self):
+        """Accelerations, reduced mass and stiffness, what they are in coordinates whose mass is 1."""
+        manifold = self.manifold
+        manifold.put()
+        self.pull = manifold.accelerations()[manifold.speeds].copy()
+        mass = np.linalg.inv(manifold.inverse_inertia())
+        # L L^T = M: w = L^T v has the mass 1
+        self.L = np.linalg.cholesky(mass)
+        manifold.put()
+        self.K = self.L.T @ manifold.stiffness() @ np.linalg.inv(self.L.T)
+        self.force = self.L.T @ self.pull
+        self.squares, vectors = np.linalg.eigh(0.5 * (self.K + self.K.T))
+        self.own = vectors
+        self.shapes = np.linalg.solve(self.L.T, vectors)
+        manifold.put()
+
+    def _size(self, step):
+        """rad, or parts of the scene's length: the largest change of a coordinate."""
+        return np.abs(self.manifold.V @ step / self.unit).max(initial=0.0)
+
+    def run(self, tell=None):
+        """Iterations that it took. Raises NoEquilibrium."""
+        manifold = self.manifold
+
+        if not len(manifold.speeds):
+            self.squares, self.shapes = np.zeros(0), np.zeros((0, 0))
+            return 0
+
+        damping, limit = None, STRIDE
+
+        for iteration in range(ITERATIONS):
+            self._see()
+            size = max(np.abs(self.squares).max(), 1e-30)
+            along = self.own.T @ self.force
+            neutral = np.abs(self.squares) <= NEUTRAL * size
+            pulled = np.abs(along) > PULLED * self._scale()
+
+            if damping is None:
+                # the first step is about a tenth of the longest
+                first = self._size(self.pull)
+                damping = 10.0 * first / STRIDE if first > 0.0 else 0.0
+
+            if not np.any(neutral & pulled) and self._newton_is_close(neutral):
+                self._finish(neutral)
+                return iteration + 1
+
+            damping, limit = self._step(along, neutral & ~pulled, damping, limit)
+
+            if tell:
+                tell(f"{iteration + 1} steps, {self.travel:.3g} rad or lengths of the scene")
+
+            if self.travel > FURTHEST:
+                break
+
+        raise NoEquilibrium(self._moves_away())
+
+    def _scale(self):
+        """Accelerations in coordinates of mass 1 that compare with those of weights and springs here."""
+        manifold = self.manifold
+        m, d = manifold.m, manifold.d
+        nodes = np.arange(1, m.n_body)
+        force = np.abs(d.force.reshape(-1, 3)[nodes]).max(initial=0.0)
+        mass = max(d.body_m.max(initial=0.0), 1e-300)
+        return max(np.linalg.norm(self.force), np.sqrt(mass) * force / mass * 1e-3)
+
+    def _newton_is_close(self, neutral):
+        """Whether a whole step of Newton's method is small."""
+        self.newton = self._newton(neutral)
+        return self._size(self.newton) < CLOSE
+
+    def _newton(self, neutral):
+        """The step of Newton's method, none along motions without stiffness."""
+        if not neutral.any():
+            return np.linalg.solve(self.L.T, np.linalg.solve(self.K, self.force))
+
+        held = self.own[:, ~neutral]
+        return np.linalg.solve(self.L.T, held @ np.linalg.solve(held.T @ self.K @ held, held.T @ self.force))
+
+    def _finish(self, neutral):
+        """Newton's method as long as it comes closer."""
+        manifold = self.manifold
+        held = np.linalg.solve(self.L.T, self.own[:, ~neutral])
+        inverse = held @ np.linalg.solve(
+            self.own[:, ~neutral].T @ self.K @ self.own[:, ~neutral], self.own[:, ~neutral].T @ self.L.T
+        )
+        step, least = self.newton, np.inf
+
+        for _ in range(FINISHING):
+            size = self._size(step)
+
+            if size >= 0.5 * least:
+                break
+
+            least = size
+            manifold.put(manifold.V @ step)
+            self._stay()
+            pull = manifold.accelerations()[manifold.speeds]
+            step = inverse @ pull
+
+        self.error = min(least, self._size(step))
+        manifold.look()
+        self._see()
+
+    def _stay(self):
+        """The state that was put is the one looked at; coordinates stay what they are."""
+        self.manifold.x = self.manifold.d.x.copy()
+
+    def _step(self, along, idle, damping, limit):
+        """One step downhill. Returns the damping and the longest step of the next."""
+        manifold = self.manifold
+
+        while True:
+            way = along / (np.abs(self.squares) + damping + 1e-300)
+            way[idle] = 0.0
+            step = np.linalg.solve(self.L.T, self.own @ way)
+            size = self._size(step)
+            shorten = min(1.0, limit / size) if size > 0.0 else 1.0
+            step, way = shorten * step, shorten * way
+            before = along @ way
+
+            try:
+                manifold.put(manifold.V @ step)
+                pull = manifold.accelerations()[manifold.speeds]
+            except ArithmeticError:
+                limit *= 0.25
+                damping *= 4.0
+
+                if limit < 1e-9:
+                    raise
+
+                continue
+
+            after = (self.own.T @ (self.L.T @ pull)) @ way
+
+            # the work of a step is to be positive, and at its end not much is to pull back
+            if after >= -0.5 * before or size * shorten < 1e-12:
+                break
+
+            damping = max(4.0 * damping, 1e-6 * np.abs(self.squares).max())
+            limit = 0.5 * min(limit, size)
+
+        self.travel += size * shorten
+        even = abs(after - before) < 1e-3 * before
+        manifold.look()
+        grown = limit * (4.0 if even and shorten < 1.0 else 1.5)
+        return damping / (4.0 if after > 0.0 else 2.0), max(grown if even else min(grown, STRIDE), 1e-8)
+
+    def _moves_away(self):
+        """What is told of the last direction."""
+        manifold = self.manifold
+        step = np.abs(manifold.V @ np.linalg.solve(self.L.T, self.force)) / self.unit
+        parts = np.argsort(-step)[:3]
+        names = [manifold.named[k].position for k in parts if step[k] > 0.1 * step[parts[0]]]
+        return (
+            f"there is no equilibrium near the start: {', '.join(names)} "
+            f"{'moves' if len(names) == 1 else 'move'} away"
+        )

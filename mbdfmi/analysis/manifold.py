@@ -1,0 +1,449 @@
+"""States on the constraints near one of them, in minimal coordinates (docs/theory.md 19.3).
+
+A state is told by independent coordinates: of the positions relative to the state looked at (of an
+orientation the rotation vector in the body's axes), of the velocities, and states of force elements. All
+others follow. Where there are rolling or knife-edge constraints there are fewer velocities than positions.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy  # which imports its parts when they are asked for
+
+from ..compiler.joint_kinds import scalars
+from ..compiler.variables import dotted
+from ..kernels import exchange, forces, joints
+from ..kernels.dynamics import forward, inertia, rates, rows
+from ..kernels.joints.kinds import E_OFFSET
+from ..kernels.motion import coordinates, drives, kinematics
+from ..kernels.status import OK
+from ..run.instance import explain
+from .differences import STEP
+
+# preference for coordinates of joints and for turning over the way of a free body, among the independent
+# ones: a steady turn looks the same at all times in those
+OF_WAY = 0.1
+
+# likewise of positions whose rates are independent too
+ALREADY = 1e3
+
+
+AUTO, BODY, INERTIAL = "auto", "body", "inertial"
+
+# step of velocities, in which motions are nearly of degree 2, as part of the largest speed or 1 rad/s
+QUICKER = 0.02
+
+# rad/s and sine of an angle that are none
+SLOW = 1e-9
+ALONG = 1e-7
+
+
+class NoState(ArithmeticError, ValueError):
+    """A state that is asked for is not there: loops do not close, or inertias are singular."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Axes in which an orientation and its rate are told: the body's, or those of the joint's first side, and
+    the angular velocity (3,) with which they turn from there on, in the latter.
+    """
+
+    of_body: bool
+    turning: np.ndarray
+
+
+@dataclass(frozen=True)
+class Named:
+    """What a coordinate is called: of its position, of its rate, its joint; units of both."""
+
+    position: str
+    rate: str
+    joint: str
+    unit: str | None
+    rate_unit: str | None
+
+
+class Manifold:
+    """States near the one that a mechanism is in, which keeps to its constraints.
+
+    free : velocity coordinates of joints that no drive holds; all below are of these.
+    named : what each is called. P, V : (n, n_p), (n, n_v) their change by the independent positions and
+        velocities, SI. places, speeds : which of them these are. z : states of force elements, in x.
+    """
+
+    def __init__(self, mechanism, axes=AUTO):
+        self.mechanism = mechanism
+        self.axes = axes
+        self.model, self.m, self.d = mechanism.model, mechanism.m, mechanism.d
+        self.free = np.array(mechanism.free, int)
+        m = self.m
+        self._find_coordinates()
+        first = m.n_q + m.n_v + m.n_s + m.n_turn
+        self.z = np.arange(first, m.n_x)
+        self.look()
+
+    def _find_coordinates(self):
+        """Where free coordinates stand in q: lines, and orientations with their angular velocities."""
+        m, lines, turns, slides = self.m, [], [], []
+        self.turning = []
+        at = {v: k for k, v in enumerate(self.free.tolist())}
+
+        for i in range(1, m.n_body):
+            kind, q, v = m.body_joint[i], m.body_q[i], m.body_v[i]
+            n = joints.N_V[kind] if v in at else 0
+            turning = n > 0 and E_OFFSET[kind] >= 0
+            lines += [(q + k, at[v + k]) for k in range(n - 3 * turning)]
+            slides += [at[v + k] for k in range(min(n, joints.N_SLIDE[kind]))]
+
+            if turning:
+                E, w = q + E_OFFSET[kind], at[v + joints.N_SLIDE[kind]]
+                turns.append((range(E, E + 4), range(w, w + 3)))
+                self.turning.append((i, np.arange(E, E + 4), np.arange(w, w + 3)))
+
+        # what compares with a radian (SI)
+        self.unit = np.ones(len(self.free))
+        self.unit[slides] = m.scene_length[0]
+        self.line_q, self.line_k = np.array(lines, int).reshape(-1, 2).T
+        self.turn_q = np.array([E for E, _ in turns], int).reshape(-1, 4)
+        self.turn_k = np.array([w for _, w in turns], int).reshape(-1, 3)
+
+    def look(self):
+        """Takes the state of the mechanism as the one looked at: where motions go from there."""
+        m = self.m
+        self._check(exchange.lead(m, self.d))
+        self.x = self.d.x.copy()
+        mechanism = self.mechanism
+        self.v0 = self.x[m.n_q : m.n_q + m.n_v][self.free]
+        self.rate0 = self.accelerations().copy()
+        self.place = mechanism.here()
+        self.d.x[:] = self.x
+        self.frames = [self._frame(i, *at) for i, *at in self.turning]
+        self.named = names(
+            mechanism, {i for (i, *_), frame in zip(self.turning, self.frames) if not frame.of_body}
+        )
+        unit = mechanism.units
+        moves = self.place.motions if m.n_row else np.eye(len(self.free))
+        holonomic = [r for r in range(m.n_row) if not rows.is_of_velocity(m, r)]
+        self.holonomic = len(holonomic) == m.n_row
+        wanders = moves
+
+        if not self.holonomic:
+            place = self.place
+            wanders = replace(
+                place,
+                C=place.C[holonomic],
+                scale=place.scale[holonomic],
+                constraint=place.constraint[holonomic],
+            ).motions
+
+        weights = np.ones(len(self.free))
+
+        for i in range(1, m.n_body):
+            if m.body_joint[i] == joints.FREE:
+                weights[(self.free >= m.body_v[i]) & (self.free < m.body_v[i] + 3)] = OF_WAY
+
+        self.speeds = _independent(moves, weights)
+        weights[self.speeds] = ALREADY
+        self.places = self.speeds if self.holonomic else _independent(wanders, weights)
+        self.V = _by_own(moves, self.speeds, unit)
+        self.P = self.V if self.holonomic else _by_own(wanders, self.places, unit)
+
+    @property
+    def rests(self):
+        """Whether no joint moves."""
+        return bool(np.all(self.d.v == 0.0))
+
+    @property
+    def states(self):
+        """Names and units of the independent coordinates: positions, velocities, states of force elements."""
+        names = [(self.named[k].position, self.named[k].unit) for k in self.places]
+        names += [(self.named[k].rate, self.named[k].rate_unit) for k in self.speeds]
+        return names + [(f"force.state[{k + 1}]", None) for k in range(len(self.z))]
+
+    @property
+    def n_states(self):
+        """Number of these."""
+        return len(self.places) + len(self.speeds) + len(self.z)
+
+    # the state, moved
+
+    def moved(self, change):
+        """x (n_x,) with positions moved by changes (n,) of the free coordinates."""
+        x = self.x.copy()
+        x[self.line_q] += change[self.line_k]
+
+        if len(self.turn_q):
+            x[self.turn_q] = _product(self.x[self.turn_q], _turn(change[self.turn_k]))
+
+        return x
+
+    def away(self, x):
+        """(n,) what `moved` takes to the positions of x."""
+        change = np.empty(len(self.free))
+        change[self.line_k] = x[self.line_q] - self.x[self.line_q]
+
+        if len(self.turn_q):
+            back = self.x[self.turn_q] * [-1, -1, -1, 1]
+            change[self.turn_k] = _turned(_product(back, x[self.turn_q]))
+
+        return change
+
+    def put(self, change=None, velocity=None, z=None):
+        """The state moved, onto the constraints. Raises NoState where there is none."""
+        m, d = self.m, self.d
+        d.x[:] = self.x if change is None else self.moved(change)
+
+        if velocity is not None:
+            d.x[m.n_q + self.free] += velocity
+
+        if z is not None:
+            d.x[self.z] += z
+
+        if m.n_row:
+            self._check(exchange.lead(m, d))
+        elif m.n_turn:
+            rates.set_time(m, d, 0.0)
+            kinematics.kinematics(m, d)
+            coordinates.read_turns(m, d)
+
+    def accelerations(self):
+        """(n,) v' of the free coordinates, of the state as it is."""
+        self._check(rates.evaluate(self.m, self.d, 0.0))
+        return self.d.v_rate[self.free]
+
+    def _check(self, status):
+        if status != OK:
+            raise NoState(explain(self.model, status))
+
+    # derivatives
+
+    def directions(self):
+        """(kind, change (n,) or z (k,), step) of each independent coordinate."""
+        unit = self.unit
+        speed = max(1.0, np.abs(self.v0 / unit).max(initial=0.0))
+        found = [(0, self.P[:, k], STEP * unit[at]) for k, at in enumerate(self.places)]
+        found += [(1, self.V[:, k], QUICKER * speed * unit[at]) for k, at in enumerate(self.speeds)]
+        size = np.maximum(1.0, np.abs(self.x[self.z]))
+        return found + [(2, row, STEP * s) for row, s in zip(np.eye(len(self.z)), size)]
+
+    def go(self, kind, direction, h):
+        """The state moved by h along one of `directions`."""
+        parts: list = [None, None, None]
+        parts[kind] = h * direction
+        self.put(*parts)
+
+    def drift(self, away, speed, rate):
+        """What is told of deviations of positions, velocities and accelerations (n, k), SI, body axes: these
+        in the axes of `frames`, (ways, speeds, rates of the ways, rates of the speeds), along the motion as
+        it goes on.
+        """
+        ways, speeds, turned, hastened = away.copy(), speed.copy(), speed.copy(), rate.copy()
+
+        for (i, E, w), frame in zip(self.turning, self.frames):
+            A = _matrix(self.x[E])
+            spin, spin_rate = self.v0[w], self.rate0[w]
+            way = A @ away[w]
+            quick = A @ (speed[w] - np.cross(spin, away[w].T).T)
+            hasty = A @ (rate[w] - np.cross(spin_rate, away[w].T).T)
+            turn = quick + _cross(A @ spin, way) - _cross(frame.turning, way)
+            hasty -= _cross(frame.turning, quick)
+            back = A.T if frame.of_body else np.eye(3)
+            ways[w], speeds[w], turned[w], hastened[w] = (back @ part for part in (way, quick, turn, hasty))
+
+            if self.m.body_joint[i] == joints.FREE and np.any(frame.turning):
+                r = w - 3
+                turned[r] = speed[r] - _cross(frame.turning, away[r])
+                hastened[r] = rate[r] - _cross(frame.turning, speed[r])
+
+        return ways, speeds, turned, hastened
+
+    def unsteady(self):
+        """(n,) accelerations of the state looked at, in the axes of `frames`: 0 where it is steady."""
+        found = self.rate0.copy()
+
+        for (i, E, w), frame in zip(self.turning, self.frames):
+            A = _matrix(self.x[E])
+            found[w] = A @ self.rate0[w] - np.cross(frame.turning, A @ self.v0[w])
+
+            if self.m.body_joint[i] == joints.FREE:
+                found[w - 3] -= np.cross(frame.turning, self.v0[w - 3])
+
+        return found
+
+    def _frame(self, i, E, w):
+        """The axes in which deviations of node i's joint are told: those in which its motion is steady, if
+        any are.
+
+        They turn about gravity: with the body, where that turns about it, as one in a steady turn; at the
+        rate at which its angular velocity does, as that of a top that precesses; or not at all, as of a wheel
+        that rolls straight on. What spins about an axis that is not gravity's is taken to be round about
+        that.
+        """
+        A = _matrix(self.x[E])
+        spin = A @ self.v0[w]
+        fixed, with_body = Frame(False, np.zeros(3)), Frame(True, spin)
+
+        if self.axes != AUTO:
+            return with_body if self.axes == BODY else fixed
+
+        m, d = self.m, self.d
+        parent = m.body_parent[i]
+        speed = np.linalg.norm(spin)
+
+        if speed <= SLOW or np.abs(d.w[3 * parent : 3 * parent + 3]).max() > SLOW:
+            return with_body
+
+        down = A @ d.A.reshape(-1, 3, 3)[i].T @ m.gravity
+        weight = np.linalg.norm(down)
+
+        if weight == 0.0 or np.linalg.norm(np.cross(spin, down)) <= ALONG * speed * weight:
+            return with_body
+
+        down /= weight
+        level = np.cross(down, spin)
+        return Frame(False, (A @ self.rate0[w]) @ level / (level @ level) * down)
+
+    def inverse_inertia(self):
+        """(n_v, n_v) accelerations of the independent velocities by efforts along these."""
+        m, d = self.m, self.d
+        self.put()
+        found = np.empty((len(self.speeds), len(self.speeds)))
+        own = self.free[self.speeds]
+        rates.set_time(m, d, 0.0)
+        drives.prescribe(m, d)
+        kinematics.kinematics(m, d)
+
+        def response(at, effort):
+            inertia.inertias(m, d)
+            forces.apply(m, d)
+            d.tau[at] += effort
+            self._check(forward.accelerate(m, d))
+            return d.v_rate[own].copy()
+
+        for k, at in enumerate(own.tolist()):
+            size = 1.0
+
+            # efforts that make accelerations of the size of 1
+            for _ in range(2):
+                found[k] = (response(at, size) - response(at, -size)) / (2.0 * size)
+                size = 1.0 / max(np.abs(found[k]).max(), 1e-300)
+
+        return 0.5 * (found + found.T)
+
+    def stiffness(self):
+        """(n_v, n_v): -derivatives of the independent accelerations by ways along the independent velocities,
+        by differences of order 2: for Newton's method.
+        """
+        unit = self.unit
+        found = np.empty((len(self.speeds), len(self.speeds)))
+
+        for k, at in enumerate(self.speeds):
+            h = 1e-5 * unit[at]
+            self.put(h * self.V[:, k])
+            ahead = self.accelerations()[self.speeds]
+            self.put(-h * self.V[:, k])
+            found[:, k] = (self.accelerations()[self.speeds] - ahead) / (2.0 * h)
+
+        return found
+
+
+def _independent(motions, weights):
+    """Coordinates by which motions (n, k) are told best, ascending."""
+    if motions.shape[1] == motions.shape[0]:
+        return np.arange(motions.shape[0])
+
+    _, pivots = scipy.linalg.qr((weights[:, None] * motions).T, mode="r", pivoting=True)
+    return np.sort(pivots[: motions.shape[1]])
+
+
+def _by_own(motions, own, unit):
+    """(n, k) motions for a unit of each of their own coordinates, SI."""
+    if not len(own):
+        return np.zeros((motions.shape[0], 0))
+
+    if len(own) == len(motions):
+        return np.eye(len(own))
+
+    found = unit[:, None] * np.linalg.solve(motions[own].T, motions.T).T / unit[own]
+    found[own] = np.eye(len(own))
+    return found
+
+
+def _product(E, F):
+    """Products of Euler parameters (n, 4), scalar last."""
+    v, w = E[:, :3], F[:, :3]
+    a, b = E[:, 3:], F[:, 3:]
+    vector = a * w + b * v + np.cross(v, w)
+    return np.hstack([vector, a * b - np.sum(v * w, axis=1, keepdims=True)])
+
+
+def _turn(vectors):
+    """Euler parameters (n, 4) of rotation vectors (n, 3)."""
+    half = 0.5 * np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.hstack([0.5 * np.sinc(half / np.pi) * vectors, np.cos(half)])
+
+
+def _turned(E):
+    """Rotation vectors (n, 3) of Euler parameters (n, 4), the short way round."""
+    E = np.where(E[:, 3:] < 0.0, -E, E)
+    size = np.linalg.norm(E[:, :3], axis=1, keepdims=True)
+    angle = 2.0 * np.arctan2(size, E[:, 3:])
+    return np.where(size > 1e-150, angle / np.where(size > 1e-150, size, 1.0), 2.0) * E[:, :3]
+
+
+def _cross(a, columns):
+    """(3, k) cross products of a vector with columns."""
+    return np.cross(a, columns.T).T
+
+
+def _matrix(E):
+    """(3, 3) of Euler parameters (4,), scalar last: from the body's axes to the joint's first side's."""
+    v, b = E[:3], E[3]
+    cross = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    return np.eye(3) + 2.0 * b * cross + 2.0 * cross @ cross
+
+
+def names(mechanism, inertial=()):
+    """What each free coordinate is called; inertial: nodes whose orientations are not told in the body's
+    axes.
+    """
+    m, scene = mechanism.m, mechanism.scene
+    found = {}
+
+    for i, node in enumerate(mechanism.model.tree.nodes):
+        if i == 0 or m.body_drive[i] >= 0:
+            continue
+
+        kind, v = m.body_joint[i], m.body_v[i]
+        joint = scene.joint.get(node.joint)
+        slides = joints.N_SLIDE[kind]
+
+        if joint is not None and E_OFFSET[kind] < 0 and joints.N_V[kind] == 1:
+            coordinate, ending = scalars(joint)[node.coordinate]
+            found[v] = Named(
+                dotted(node.joint, coordinate.position.name) + ending,
+                dotted(node.joint, coordinate.rate.name) + ending,
+                node.joint,
+                coordinate.position.unit,
+                coordinate.rate.unit,
+            )
+            continue
+
+        name = node.joint or node.name
+
+        for k in range(joints.N_V[kind]):
+            if k < slides:
+                words = ("position", "velocity", k + 1, "m", "m/s")
+            else:
+                omega = "omega" if i in inertial else "omega_body"
+                words = ("rotation", omega, k - slides + 1, "rad", "rad/s")
+
+            position, rate, index, *units = words
+            found[v + k] = Named(
+                dotted(name, f"{position}") + f"[{index}]",
+                dotted(name, f"{rate}") + f"[{index}]",
+                name,
+                *units,
+            )
+
+    return [found[v] for v in mechanism.free]

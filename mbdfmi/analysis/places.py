@@ -1,0 +1,91 @@
+"""The states that a scene can be looked at in: its start, its equilibrium, any time of a run."""
+
+import numpy as np
+
+from ..compiler.model import compile_scene
+from ..kernels.motion import drives
+from ..run.inputs import known, numbers
+from ..scene import variable_name
+from .mechanism import Mechanism
+
+START, EQUILIBRIUM = "start", "equilibrium"
+
+# speeds below that part of 1 rad/s, or of the scene's length in a second, are none
+NO_SPEED = 1e-12
+
+
+def mechanism_of(scene, hold=None, parameters=None, time=0.0, like=None):
+    """A scene at its start, with inputs held at values and parameters set, by name; like : a mechanism of it.
+    Raises KeyError, ValueError, SimulationError.
+    """
+    at = {}
+
+    if hold:
+        model = like.model if like else compile_scene(scene)
+        by_name = {v.name: v for v in model.of_causality("input")}
+
+        for name, value in hold.items():
+            parts = [by_name[part].index for part in known(variable_name(name), by_name, "input")]
+            values = numbers(value, f"input {name!r}", () if len(parts) == 1 else (len(parts),))
+            at |= zip(parts, np.ravel(values).tolist())
+
+    if like:
+        return like.again(parameters, at, time)
+
+    return Mechanism(scene, parameters=parameters, inputs=at, start_time=time)
+
+
+def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=None):
+    """(the mechanism in a state, what is to be told of it), see `linearise`; like : one of the scene."""
+    from .equilibrium import NoEquilibrium, settle
+
+    tell = progress or (lambda text: None)
+
+    if at not in (None, START, EQUILIBRIUM):
+        time = float(numbers(at, f'at = {at!r}: "{START}", "{EQUILIBRIUM}" or a time, which', ()))
+        mechanism = mechanism_of(scene, hold, parameters, like=like)
+
+        if time < 0.0:
+            raise ValueError(f"at = {time:g}: a run starts at 0 s")
+
+        tell(f"running to {time:g} s")
+        mechanism.instance.step(time)
+        return mechanism, list(mechanism.instance.notices)
+
+    mechanism = mechanism_of(scene, hold, parameters, like=like)
+    notices = list(mechanism.instance.notices)
+
+    if at == START or (at is None and not rests(mechanism)):
+        return mechanism, notices
+
+    tell("looking for the equilibrium")
+
+    try:
+        settle(mechanism)
+    except NoEquilibrium as error:
+        if at == EQUILIBRIUM:
+            raise
+
+        return mechanism.again(parameters, _inputs(mechanism)), [
+            *notices,
+            f"{error}; this is about the start",
+        ]
+
+    return mechanism, notices
+
+
+def _inputs(mechanism):
+    """Inputs by their position in u."""
+    return dict(enumerate(mechanism.d.u_buffer[: mechanism.model.n_u].tolist()))
+
+
+def rests(mechanism):
+    """Whether nothing moves, drives included."""
+    m, d = mechanism.m, mechanism.d
+    speeds = np.abs(d.v).max(initial=0.0) if m.n_v else 0.0
+
+    for k in range(m.n_drive):
+        if m.drive_body[k] < 0:
+            speeds = max(speeds, abs(drives.target(m, d, k)[1]))
+
+    return speeds <= NO_SPEED

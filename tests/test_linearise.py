@@ -1,0 +1,357 @@
+"""Linear models and modes against closed forms, published digits and runs."""
+
+import time
+
+import numpy as np
+import pytest
+import scipy
+
+from mbdfmi import Scene
+from mbdfmi.analysis.linearise import about
+
+# Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463 (2007), table 2 of the benchmark bicycle: forward speed (m/s) and
+# eigenvalues (1/s)
+BICYCLE = {
+    0: [-5.53094371765393, -3.13164324790656, 3.13164324790656, 5.53094371765393],
+    1: [3.52696170990070 + 0.80774027519930j, -3.13423125066578, -7.11008014637442],
+    2: [2.68234517512745 + 1.68066296590675j, -3.07158645641514, -8.67387984831735],
+    3: [1.70675605663975 + 2.31582447384325j, -2.63366137253667, -10.35101467245920],
+    4: [0.41325331521125 + 3.07910818603206j, -1.42944427361326, -12.15861426576447],
+    5: [-0.77534188219585 + 4.46486771378823j, -0.32286642900409, -14.07838969279822],
+    6: [-1.52644486584142 + 5.87673060598709j, -0.00406690076970, -16.08537123098026],
+    7: [-2.13875644258362 + 7.19525913329805j, 0.10268170574766, -18.15788466125262],
+    8: [-2.69348683581097 + 8.46037971396931j, 0.14327879765713, -20.27940894394569],
+    9: [-3.21675402252485 + 9.69377351531791j, 0.15790184030917, -22.43788559040858],
+    10: [-3.72016840437287 + 10.90681139476287j, 0.16105338653172, -24.62459635017404],
+}
+
+
+def bicycle(speed=0.0):
+    """The benchmark bicycle on the plane z = 0, z up, straight ahead along x; origin at the rear contact."""
+    w, c, tilt = 1.02, 0.08, np.pi / 10
+    front, rear = 0.35, 0.3
+    return Scene(
+        name="bicycle",
+        gravity=[0, 0, -9.81],
+        solver={"closing_tolerance": 1e-12},
+        body={
+            "frame": {
+                "mass": 85.0,
+                "com": [0.3, 0, 0.9],
+                "inertia": [9.2, 11.0, 2.8, 0, -2.4, 0],
+                "marker": {
+                    "axle": {"position": [0, 0, rear]},
+                    "head": {"position": [w + c, 0, 0]},
+                },
+            },
+            "fork": {
+                "mass": 4.0,
+                "com": [0.9 - w - c, 0, 0.7],
+                "inertia": [0.05892, 0.06, 0.00708, 0, 0.00756, 0],
+                "marker": {"axle": {"position": [-c, 0, front]}},
+            },
+            "rear": {"mass": 2.0, "inertia": [0.0603, 0.12, 0.0603]},
+            "front": {"mass": 3.0, "inertia": [0.1405, 0.28, 0.1405]},
+        },
+        joint={
+            "place": {
+                "free": {},
+                "between": ["ground", "frame"],
+                "start": {"velocity": [speed, 0, 0]},
+            },
+            "rear_axle": {
+                "revolute": {"axis": "y"},
+                "between": ["frame.axle", "rear"],
+                "start": {"speed": speed / rear},
+            },
+            "steer": {
+                "revolute": {"axis": [-np.sin(tilt), 0, np.cos(tilt)]},
+                "between": ["frame.head", "fork"],
+                "input": "torque",
+                "output": ["angle"],
+            },
+            "front_axle": {
+                "revolute": {"axis": "y"},
+                "between": ["fork.axle", "front"],
+                "start": {"speed": speed / front},
+            },
+            "rear_contact": {"rolling_disk": {"radius": rear, "axis": "y"}, "between": ["ground", "rear"]},
+            "front_contact": {"rolling_disk": {"radius": front, "axis": "y"}, "between": ["ground", "front"]},
+        },
+    )
+
+
+def own_values(scene, **options):
+    """Eigenvalues of the modes, one of each pair."""
+    return np.array([mode.eigenvalue for mode in scene.linearise([], [], **options).modes()])
+
+
+@pytest.mark.parametrize("speed", BICYCLE)
+def test_a_bicycle_has_the_published_eigenvalues(speed):
+    found = np.sort_complex(own_values(bicycle(speed), at="start"))
+    assert np.abs(found - np.sort_complex(BICYCLE[speed])).max() < 1e-9
+
+
+def real_at(eigenvalue, low, high):
+    """The speed at which the real part of an eigenvalue of the bicycle is zero."""
+    return scipy.optimize.brentq(
+        lambda v: eigenvalue(own_values(bicycle(v), at="start")), low, high, xtol=1e-11
+    )
+
+
+def test_a_bicycle_is_stable_from_the_weave_to_the_capsize_speed():
+    assert abs(real_at(lambda all_: max(all_, key=lambda v: v.imag).real, 4.2, 4.4) - 4.29238253634111) < 1e-8
+    assert abs(real_at(lambda all_: max(v.real for v in all_), 6.0, 6.1) - 6.02426201538837) < 1e-8
+
+
+def test_modes_of_a_quarter_car():
+    body, wheel, soft, hard = 290.0, 59.0, 16812.0, 190000.0
+    rail = {"prismatic": {"axis": "z"}}
+    scene = Scene(
+        name="quarter_car",
+        body={"wheel": {"mass": wheel, "inertia": [0, 0, 0]}, "car": {"mass": body, "inertia": [0, 0, 0]}},
+        joint={
+            "tyre": rail | {"between": ["ground", "wheel"], "spring": {"stiffness": hard}},
+            "strut": rail | {"between": ["wheel", "car"], "spring": {"stiffness": soft}},
+        },
+    )
+    M = np.diag([wheel, body])
+    K = np.array([[hard + soft, -soft], [-soft, soft]])
+    right = np.sqrt(scipy.linalg.eigvalsh(K, M)) / (2 * np.pi)
+    modes = scene.linearise().modes()
+    assert np.abs(modes.frequencies / right - 1).max() < 1e-12
+    assert modes[0].bodies["car"] > 0.99 and modes[1].bodies["wheel"] > 0.99
+
+
+def test_a_rotor_whirls_as_gyroscopic_moments_have_it():
+    polar, across, stiffness, spin = 0.5, 0.3, 700.0, 120.0
+    hinge = {"spring": {"stiffness": stiffness}}
+    scene = Scene(
+        name="rotor",
+        gravity=[0, 0, 0],
+        body={
+            "outer": {"mass": 0.0},
+            "inner": {"mass": 0.0},
+            "disk": {"mass": 1.0, "inertia": [across, across, polar]},
+        },
+        joint={
+            "x": hinge | {"revolute": {"axis": "x"}, "between": ["ground", "outer"]},
+            "y": hinge | {"revolute": {"axis": "y"}, "between": ["outer", "inner"]},
+            "spin": {"revolute": {"axis": "z"}, "between": ["inner", "disk"], "start": {"speed": spin}},
+        },
+    )
+    half = polar * spin / (2 * across)
+    right = np.sqrt(half**2 + stiffness / across) + np.array([-half, half])
+    assert np.abs(own_values(scene).imag / right - 1).max() < 1e-11
+    assert np.abs(own_values(scene).real).max() < 1e-9
+
+
+def test_a_sleeping_top_precesses_and_nutates_as_seen_from_the_ground():
+    polar, across, mass, arm, spin = 0.02, 0.05, 2.0, 0.15, 60.0
+    scene = Scene(
+        name="top",
+        gravity=[0, 0, -9.81],
+        body={"top": {"mass": mass, "com": [0, 0, arm], "inertia": [across, across, polar]}},
+        joint={"tip": {"spherical": {}, "between": ["ground", "top"], "start": {"omega": [0, 0, spin]}}},
+    )
+    inertia = across + mass * arm**2
+    right = np.sort(np.roots([inertia, -polar * spin, mass * 9.81 * arm]))
+    found = own_values(scene, axes="inertial")
+    assert np.abs(np.sort(found[found.imag > 0].imag) - right).max() < 1e-9
+    # the body sees both go round against its spin
+    seen = own_values(scene)
+    assert np.abs(np.sort(seen[seen.imag > 0].imag) - np.sort(spin - right)).max() < 1e-9
+
+
+def test_a_disk_rolls_upright_from_a_speed_on():
+    def squares(spin):
+        values = own_values(disk(spin), at="start")
+        return (values[np.abs(values) > 1e-3] ** 2).real
+
+    def disk(spin):
+        return Scene(
+            name="disk",
+            gravity=[0, 0, -9.81],
+            body={"coin": {"mass": 1.0, "inertia": [0.25, 0.5, 0.25]}},
+            joint={
+                "free": {
+                    "free": {},
+                    "between": ["ground", "coin"],
+                    "start": {"position": [0, 0, 1], "velocity": [spin, 0, 0], "omega": [0, spin, 0]},
+                },
+                "rim": {"rolling_disk": {"radius": 1.0, "axis": "y"}, "between": ["ground", "coin"]},
+            },
+        )
+
+    for spin in (1.0, 1.7, 1.9, 5.0):
+        assert np.abs(squares(spin) - (9.81 - 3 * spin**2) / 1.25).max() < 1e-9
+
+
+def cantilever(n, length=2.0, bending=50.0, per_length=0.7):
+    """A clamped beam as n rigid pieces with hinges half way between their ends; the first is half a piece."""
+    h = length / n
+    k, m = bending / h, per_length * h
+    piece = {
+        "mass": m,
+        "inertia": [0, m * h * h / 12, m * h * h / 12],
+        "marker": {"end": {"position": [h / 2, 0, 0]}},
+    }
+    bodies = {f"b{i}": piece | {"com": [0, 0, 0]} for i in range(n)}
+    joints = {}
+
+    for i in range(n):
+        before = "ground" if i == 0 else f"b{i - 1}.end"
+        bodies[f"b{i}"]["marker"] = piece["marker"] | {"root": {"position": [-h / 2, 0, 0]}}
+        stiffness = 2 * k if i == 0 else k
+        joints[f"j{i}"] = {
+            "revolute": {"axis": "y"},
+            "between": [before, f"b{i}.root"],
+            "spring": {"stiffness": stiffness},
+        }
+
+    return Scene(name="beam", gravity=[0, 0, 0], body=bodies, joint=joints)
+
+
+def test_a_beam_of_pieces_comes_to_euler_and_bernoullis():
+    roots = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613])
+    right = roots**2 * np.sqrt(50.0 / 0.7) / 2.0**2
+    errors = []
+
+    for n in (20, 40):
+        errors.append(2 * np.pi * cantilever(n).linearise([], []).modes().frequencies[:3] / right - 1)
+
+    assert np.abs(errors[1]).max() < 4e-3
+    assert np.abs(errors[0] / errors[1] - 4).max() < 0.2
+
+
+def beads(n, length=1.0):
+    """Equal beads on a hanging thread, at equal distances."""
+    bead = {
+        "mass": 0.3,
+        "com": [0, 0, -length],
+        "inertia": [0, 0, 0],
+        "marker": {"end": {"position": [0, 0, -length]}},
+    }
+    links = {
+        f"j{i}": {"revolute": {"axis": "y"}, "between": ["ground" if i == 0 else f"b{i - 1}.end", f"b{i}"]}
+        for i in range(n)
+    }
+    return Scene(name="beads", gravity=[0, 0, -9.81], body={f"b{i}": bead for i in range(n)}, joint=links)
+
+
+def test_beads_on_a_thread_swing_as_laguerres_polynomials_have_it():
+    """Squares of the frequencies are g / l times the roots of the Laguerre polynomial of that degree."""
+    right = np.sqrt(9.81 * scipy.special.roots_laguerre(12)[0])
+    assert np.abs(2 * np.pi * beads(12).linearise([], []).modes().frequencies / right - 1).max() < 1e-11
+
+
+def test_modes_of_a_chain_of_256_take_no_time():
+    scene = beads(256)
+    manifold = scene.linearise([], []).manifold
+    times = []
+
+    for _ in range(3):
+        start = time.thread_time()
+        modes = about(manifold, [], []).modes()
+        times.append(time.thread_time() - start)
+
+    right = np.sqrt(9.81 * scipy.special.roots_laguerre(256)[0])
+    assert np.abs(2 * np.pi * modes.frequencies / right - 1).max() < 1e-7
+    assert min(times) < 1.0  # 0.3 s on an idle core
+
+
+def test_matrices_of_a_pendulum_are_the_closed_form(tmp_path):
+    """About 30 deg, held by a torque: all of A, B, C, D, and what is read back from files."""
+    mass, arm, inertia, damping, angle = 2.0, 0.7, 0.3, 0.4, np.pi / 6
+    scene = Scene(
+        name="pendulum",
+        gravity=[0, 0, -9.81],
+        body={
+            "rod": {
+                "mass": mass,
+                "com": [0, 0, -arm],
+                "inertia": [0, inertia, inertia],
+                "marker": {"tip": {"position": [0, 0, -1], "output": ["position"]}},
+            }
+        },
+        joint={
+            "pivot": {
+                "revolute": {"axis": "y"},
+                "between": ["ground", "rod"],
+                "start": {"angle": angle},
+                "damper": damping,
+                "input": "torque",
+                "output": ["angle", "speed", "acceleration"],
+            }
+        },
+    )
+    whole = inertia + mass * arm**2
+    linear = scene.linearise(at="start", hold={"pivot.torque": mass * 9.81 * arm * np.sin(angle)})
+    k = mass * 9.81 * arm * np.cos(angle)
+    row = [-k / whole, -damping / whole]
+    assert linear.notices == []
+    assert np.abs(linear.A - [[0, 1], row]).max() < 1e-11
+    assert np.abs(linear.B - [[0], [1 / whole]]).max() < 1e-12
+    outputs = [
+        "rod.tip.position[1]",
+        "rod.tip.position[3]",
+        "pivot.angle",
+        "pivot.speed",
+        "pivot.acceleration",
+    ]
+    C = np.array([[-np.cos(angle), 0], [np.sin(angle), 0], [1, 0], [0, 1], row])
+    rows = [linear.outputs.index(name) for name in outputs]
+    assert np.abs(linear.C[rows] - C).max() < 1e-11
+    assert np.abs(linear.D[rows, 0] - [0, 0, 0, 0, 1 / whole]).max() < 1e-12
+    assert abs(linear.stiffness[0, 0] - k) < 1e-10 and abs(linear.damping[0, 0] - damping) < 1e-11
+    assert abs(linear.modes()[0].damping - damping / (2 * np.sqrt(k * whole))) < 1e-11
+
+    assert np.array_equal(linear.state_space().A, linear.A)
+    table = np.load(linear.save(tmp_path / "a.npz"))
+    assert np.array_equal(table["C"], linear.C) and list(table["outputs"]) == linear.outputs
+    table = scipy.io.loadmat(linear.save(tmp_path / "a.mat"))
+    assert np.array_equal(table["A"], linear.A) and table["states"][1, 0][0] == "pivot.speed"
+
+    with pytest.raises(ValueError, match="npz"):
+        linear.save(tmp_path / "a.csv")
+
+
+def test_a_loop_of_a_moving_run_is_that_of_its_state():
+    """A parallelogram four-bar, rows redundant in space: it swings as a pendulum, also while it moves."""
+    bar = {
+        "mass": 1.0,
+        "com": [0, 0, -0.5],
+        "inertia": [0.1, 0.1, 0.1],
+        "marker": {"end": {"position": [0, 0, -1]}},
+    }
+    scene = Scene(
+        name="swing",
+        gravity=[0, 0, -9.81],
+        body={
+            "left": bar,
+            "right": bar,
+            "board": {
+                "mass": 3.0,
+                "inertia": [0.1, 0.2, 0.1],
+                "marker": {"a": {"position": [-1, 0, 0]}, "b": {"position": [1, 0, 0]}},
+            },
+        },
+        joint={
+            "l": {"revolute": {"axis": "y"}, "between": ["ground", "left"], "start": {"angle": 0.9}},
+            "r": {"revolute": {"axis": "y"}, "between": ["ground.r", "right"]},
+            "la": {"revolute": {"axis": "y"}, "between": ["left.end", "board.a"]},
+            "rb": {"revolute": {"axis": "y"}, "between": ["right.end", "board.b"]},
+        },
+        ground={"marker": {"r": {"position": [2, 0, 0]}}},
+        solver={"tolerance": 1e-12},
+    )
+    inertia, moment = 2 * (0.1 + 0.25) + 3.0, 9.81 * (2 * 0.5 + 3.0)
+    rest = scene.linearise()
+    assert rest.A.shape == (2, 2)
+    assert abs(rest.modes()[0].eigenvalue - 1j * np.sqrt(moment / inertia)) < 1e-10
+
+    # angle'' = -moment / inertia sin(angle), whichever coordinate tells it
+    moving = scene.linearise(at=0.4)
+    E = scene.simulate(0.4, 0.4).poses("left")[1][-1]
+    assert np.abs(moving.A - [[0, 1], [-moment / inertia * (1 - 2 * E[1] ** 2), 0]]).max() < 1e-9
+    assert any("not steady" in notice for notice in moving.notices)
