@@ -71,7 +71,12 @@ def is_told(error):
     from ..export.link import LinkError
     from ..run.instance import SimulationError
 
-    return isinstance(error, (CompileError, LinkError, SimulationError))
+    if isinstance(error, (CompileError, LinkError, SimulationError)):
+        return True
+
+    from ..cosim import CouplingError
+
+    return isinstance(error, CouplingError)
 
 
 def text_of(error):

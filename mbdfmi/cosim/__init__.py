@@ -1,5 +1,6 @@
-"""Coupled runs of several FMUs, ours and others' (`master`)."""
+"""Coupled runs of several FMUs, ours and others', and of scenes: docs/coupling.md."""
 
-from .master import CouplingError, couple
+from .errors import CouplingError
+from .system import Coupled, System, couple, load_system
 
-__all__ = ["CouplingError", "couple"]
+__all__ = ["Coupled", "CouplingError", "System", "couple", "load_system"]

@@ -49,17 +49,18 @@ class SceneError(Exception):
         super().__init__("\n".join(self.errors))
 
 
-def place_text(path):
+def place_text(path, named=NAMED_TABLES, tables=TABLES):
     """The place of a problem as it is looked for in a file, `[body.hull] solid[2].box.size:`.
 
-    Positions in lists count from 1, as those of FMU variables.
+    named, tables : tables of the file whose entries have names, and others. Positions in lists count from 1, as those of
+    FMU variables.
     """
     path = list(path)
     if not path:
         return ""
 
-    in_table = path[0] in NAMED_TABLES + TABLES
-    depth = (2 if path[0] in NAMED_TABLES else 1) if in_table else 0
+    in_table = path[0] in (*named, *tables)
+    depth = (2 if path[0] in named else 1) if in_table else 0
     table, keys = path[:depth], path[depth:]
 
     words = []

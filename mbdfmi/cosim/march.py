@@ -1,0 +1,282 @@
+"""A run from its start to its end: macro steps, their length, what stops them."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+
+import numpy as np
+
+from .errors import CouplingError, Discarded, Ended
+from .history import History
+from .masters import GaussSeidel, Held, Iterated, Jacobi, Newton, Repeated, Stage
+from .plan import Plan
+from .rig import Rig
+from .schema import Master
+from .watch import Watch
+
+FIRST = 1e-2
+"""Part of the communication step that the first macro step of chosen length takes."""
+
+SHORTEST = 1e-9
+"""Macro steps, relative to the first, below which a run stops."""
+
+# part of the miss of a prediction that a polynomial through the true end misses within a step, by its order
+WITHIN = {0: 0.5, 1: 1 / 8, 2: 1 / 16}
+EXACT = 1e-6
+"""Relative difference up to which two runs of one step count as equal."""
+
+
+class March:
+    """The macro steps of a run. after : called after each, if not None. rejected : steps that were done again."""
+
+    def __init__(self, rig: Rig, plan: Plan, master: Master, watch: Watch, history: History):
+        self.rig, self.plan, self.master, self.watch, self.history = rig, plan, master, watch, history
+        self.stages = [self._stage(group) for group in plan.groups]
+        self.control = master.error
+        self.order = plan.order
+        self.rejected = 0
+        self.after: Callable[[], None] | None = None
+        self._past: list[tuple[float, np.ndarray]] = []
+        smooth = np.zeros(rig.net.n_y, bool)
+        for name in plan.predicts:
+            for blocks in (rig.net.read,):
+                smooth[blocks[name].slice] = True
+        self._smooth = smooth.astype(float)
+        self._predicts = bool(plan.predicts) and self.order > 0
+        self._ports = rig.ports if self._needs_all() else [rig.by_name[n] for n in plan.rolling]
+        rig.keeps_all = self._needs_all()
+        self._others = [(port, port.others) for port in rig.ports if port.others]
+
+    def _needs_all(self):
+        """Whether all states are saved before each step, so that a step can be done again."""
+        return all(port.rolls for port in self.rig.ports) and (
+            self.control is not None or len(self.plan.rolling) == len(self.rig.ports)
+        )
+
+    def _stage(self, group) -> Stage:
+        ports = [self.rig.by_name[name] for name in group.names]
+        if group.method == "iterate":
+            return Iterated(self.rig, ports, self.master.tolerance, self.master.max_iterations)
+        if group.method == "newton":
+            return Newton(self.rig, ports, self.master.tolerance, self.master.max_iterations)
+        if group.method == "gauss-seidel":
+            return GaussSeidel(self.rig, ports)
+        return (Jacobi if self.plan.order else Held)(self.rig, ports)
+
+    # runs
+
+    def fixed(self, times: np.ndarray, H: float, progress: Callable[[float], None] | None):
+        """Macro steps from point to point, all but the last of H (s)."""
+        grid = times.tolist()
+        n = len(grid) - 1
+        steps = [H] * (n - 1) + [grid[n] - grid[n - 1]]
+
+        for k in range(n):
+            self._to(grid[k], grid[k + 1], steps[k])
+            if progress:
+                progress(grid[k + 1])
+
+    def _to(self, time, end, H):
+        """From a time to an end a step of H away, in parts where an FMU stops on the way."""
+        whole = True
+        for _ in range(1000):
+            try:
+                self._step(time, H)
+            except Discarded as part:
+                self.rig.back(self.rig.ports)
+                self.rig.y[:] = self.rig.old
+                H, whole = part.time - time, False
+                continue
+            except Ended as who:
+                raise self._end(who, time) from None
+
+            time = end if whole else time + H
+            self._accept(time, H)
+            if end - time <= 1e-12 * max(1.0, abs(end)):
+                return
+            H, whole = end - time, True
+
+        raise CouplingError(f"a step was done in more than 1000 parts up to {end:.9g} s")
+
+    def chosen(self, start: float, stop: float, H: float, progress: Callable[[float], None] | None):
+        """Macro steps chosen by the error that inputs have within them."""
+        master = self.master
+        least = master.min_step or SHORTEST * H
+        most = master.max_step or np.inf
+        # nothing is known of the past yet, so the first steps are careful
+        H, time = min(FIRST * H, most), start
+        scale = np.maximum([f.entry.nominal if f else 0.0 for f in self.rig.net.feeds], 0.0)
+
+        while stop - time > 1e-12 * max(1.0, abs(stop)):
+            H = min(H, most)
+            left = stop - time
+            # no crumb is left at the end
+            length = left if left <= H else (left / 2 if 0.6 * left < H else H)
+            try:
+                self._step(time, length)
+                error = self._error(scale, length)
+            except Discarded as part:
+                self._undo()
+                H = part.time - time
+                continue
+            except Ended as who:
+                raise self._end(who, time) from None
+
+            factor = 0.9 * max(error, 1e-10) ** (-1.0 / (self.order + 1))
+
+            if error > 1.0:
+                self._undo()
+                self.rejected += 1
+                H = length * max(0.2, min(factor, 0.8))
+                if least > H:
+                    raise CouplingError(
+                        f"macro steps below {least:.3g} s at {time:.9g} s do not keep the error of {self._worst}; write a "
+                        "larger [master] error, or a smaller min_step"
+                    )
+                continue
+
+            time = stop if length == left else time + length
+            np.maximum(scale, np.abs(self.rig.end), out=scale)
+            self._accept(time, length)
+            H = length * min(2.0, max(0.3, factor))
+            if progress:
+                progress(time)
+
+    def _undo(self):
+        rig = self.rig
+        rig.back(rig.ports)
+        rig.y[:] = rig.old
+
+    def _error(self, scale, H):
+        """What inputs miss of the truth within the step, 1 for what is allowed."""
+        rig = self.rig
+        truth = rig.wanted()
+        weight = self.control * np.maximum(scale, np.abs(truth)) + 1e-300
+        inner = WITHIN[self.order] if self.plan.rolling else 1.0
+
+        if not self._past:
+            return 0.0 if np.all(np.isfinite(truth)) else np.inf
+        if self.order:
+            predicted = rig.net.G @ self._predicted + rig.net.b
+            missed = inner * np.abs(truth - predicted)
+        else:
+            missed = inner * np.abs(truth - rig.now)
+
+        ratio = np.where(np.isfinite(missed), missed / weight, np.inf)
+        if not len(ratio):
+            return 0.0
+        worst = int(np.argmax(ratio))
+        feed = rig.net.feeds[worst]
+        self._worst = feed.text if feed else ""
+        return float(ratio[worst])
+
+    # one step
+
+    def _step(self, time, H):
+        rig = self.rig
+        rig.time = time
+        if self._ports:
+            rig.keep(self._ports)
+        rig.old[:] = rig.y
+        if self._predicts and self._past:
+            self._predict(H)
+        square = self._square if self.order == 2 and self._past else None
+        if rig.transfers:
+            rig.exchange()
+        for stage in self.stages:
+            stage.advance(time, H, square)
+
+    def _predict(self, H):
+        """Outputs at the end of the step, by the polynomial through the last points."""
+        y = self.rig.y
+        H1, y1 = self._past[0]
+        slope = (y - y1) / H1
+        change = slope * H
+
+        if self.order == 2 and len(self._past) > 1:
+            H2, y2 = self._past[1]
+            change += (slope - (y1 - y2) / H2) / (H1 + H2) * (H * (H + H1))
+
+        if self.control is not None:
+            self._predicted = y + change
+        change *= self._smooth
+        y += change
+
+    def _square(self, H):
+        """Coefficients of time squared of the parabolas through the inputs at the last point, the one before, the end."""
+        rig = self.rig
+        H1 = self._past[0][0]
+        return ((rig.end - rig.now) / H - (rig.now - rig.prev) / H1) / (H + H1)
+
+    def _accept(self, time, H):
+        rig = self.rig
+        rig.time = time
+        for port in rig.ports:
+            if status := port.get_all():
+                port.check(status, "reading its outputs")
+        for port, others in self._others:
+            port.check(others.get(), "reading its outputs")
+
+        if self.order or self.control is not None:
+            self._past = [(H, rig.old.copy()), *self._past[:1]]
+            rig.prev[:] = rig.now
+        rig.now[:] = rig.wanted()
+        self.history.add(time, rig.y, rig.now, rig.end)
+        if self.after:
+            self.after()
+        self.watch.look(time)
+
+    def _end(self, who, time) -> CouplingError:
+        slave = self.rig.by_name[str(who)].slave
+        return CouplingError(
+            f"{who}: asks for the end of the run in the step at {time:.9g} s" + slave.last_words()
+        )
+
+    # rollback
+
+    def untrue(self, H: float) -> dict[str, str]:
+        """Of FMUs whose steps are to be repeated, those that do not repeat a step: what was found."""
+        rig, found = self.rig, {}
+
+        for name in sorted(self.plan.rolling):
+            port = rig.by_name[name]
+            try:
+                found[name] = self._repeats(port, H)
+            except CouplingError as error:
+                found[name] = str(error)
+
+        return {name: text for name, text in found.items() if text}
+
+    def _repeats(self, port, H) -> str:
+        rig = self.rig
+        before = rig.y.copy()
+        rig.keep([port])
+        outcomes = []
+
+        for _ in range(2):
+            port.check(port.set_now(), "setting its inputs")
+            with contextlib.suppress(Discarded, Ended):
+                port.advance(rig.time, H)
+            port.check(port.get(), "reading its outputs")
+            outcomes.append(rig.y[port.columns].copy())
+            rig.back([port])
+
+        rig.y[:] = before
+        port.slave.work -= 2
+        one, other = outcomes
+        apart = np.max(np.abs(one - other) / np.maximum(np.abs(one), 1e-12), initial=0.0)
+        return f"a repeated step differs by {apart:.2g}" if apart > EXACT else ""
+
+    @property
+    def notices(self) -> list[str]:
+        """What a user should know of the run."""
+        found = []
+        for stage in self.stages:
+            if isinstance(stage, Repeated) and stage.missed:
+                names = ", ".join(port.name for port in stage.ports)
+                found.append(
+                    f"{names}: {len(stage.missed)} steps did not converge in {stage.iterations} passes; they missed by "
+                    f"{max(stage.missed):.2g} of the values at the worst"
+                )
+        return found

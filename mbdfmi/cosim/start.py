@@ -1,0 +1,190 @@
+"""Consistent values of all links before the first step: in the order of what depends on what, circles by Newton's method."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import CouplingError
+from .graph import circle_text, components, feed_edges
+from .network import Feed, Network
+from .rig import Rig
+
+ITERATIONS = 50
+TOLERANCE = 1e-9
+"""Of a circle of links, relative to the values, or to the largest change of it that a pass makes."""
+
+SMALLEST = 2.0**-10
+"""Part of a Newton step that is tried at the least."""
+
+
+def circles_at_start(net: Network) -> list[list[Feed]]:
+    """Links in the order in which their values are found at the start, those of a circle together."""
+    feeds = [feed for feed in net.feeds if feed] + net.discrete
+    return components(feeds, feed_edges(net, at_start=True))
+
+
+def loops(net: Network, at_start: bool) -> list[list[Feed]]:
+    """Circles of links, each of whose sources depends at once on the link before."""
+    feeds = [feed for feed in net.feeds if feed] + net.discrete
+    edges = feed_edges(net, at_start)
+    alone = {a for a, b in edges if a is b}
+    return [group for group in components(feeds, edges) if len(group) > 1 or group[0] in alone]
+
+
+def initialise(rig: Rig):
+    """Makes all links consistent in initialisation mode. Raises CouplingError, with the circle that does not converge."""
+    net = rig.net
+    edges = feed_edges(net, at_start=True)
+    following: dict[Feed, list[Feed]] = {}
+    for a, b in edges:
+        following.setdefault(a, []).append(b)
+
+    feeds = [feed for feed in net.feeds if feed] + net.discrete
+    waiting: list[Feed] = []
+
+    for group in components(feeds, edges):
+        if len(group) == 1 and group[0] not in following.get(group[0], ()):
+            # those that do not wait for each other are done together
+            if any(feed in following.get(earlier, ()) for earlier in waiting for feed in group):
+                _pass_on(rig, waiting)
+                waiting = []
+            waiting += group
+        else:
+            _pass_on(rig, waiting)
+            waiting = []
+            _Loop(rig, group, following).solve()
+
+    _pass_on(rig, waiting)
+
+
+def _pass_on(rig, feeds):
+    """Hands values on that wait for nothing."""
+    if not feeds:
+        return
+
+    rig.fetch()
+    values = rig.wanted()
+    rows = {feed: row for row, feed in enumerate(rig.net.feeds) if feed}
+
+    for port in rig.ports:
+        own = [rows[f] for f in feeds if f.taker == port.name and f in rows]
+        if own:
+            rig.now[own] = values[own]
+            port.check(port.set_now(), "setting its inputs")
+
+    takers = {feed.taker for feed in feeds if feed not in rows}
+    for key, transfer in rig.transfers.items():
+        if key.split(" ")[0] in takers:
+            transfer.do()
+
+
+class _Loop:
+    """Links in a circle: u = f(u)."""
+
+    def __init__(self, rig: Rig, group: list[Feed], following):
+        self.rig, self.group, self.following = rig, group, following
+        places = {feed: row for row, feed in enumerate(rig.net.feeds) if feed}
+        self.rows = np.array([places[f] for f in group if f in places], int)
+        self.discrete = [f for f in group if f not in places]
+        takers = {f.taker for f in group}
+        self.ports = [port for port in rig.ports if port.name in takers]
+        self.nominal = np.array([rig.net.feeds[row].entry.nominal for row in self.rows])
+
+    def outcome(self, u):
+        """f(u). Raises CouplingError."""
+        self.rig.now[self.rows] = u
+        for port in self.ports:
+            port.check(port.set_now(), "setting its inputs")
+        if self.discrete:
+            self.rig.exchange()
+        self.rig.fetch()
+        return self.rig.wanted()[self.rows]
+
+    def solve(self):
+        """Newton's method from the values that are there. Raises CouplingError."""
+        u = self.rig.now[self.rows].copy()
+        f = self.outcome(u)
+        scale = np.maximum.reduce([np.abs(u), np.abs(f), self.nominal, np.full(len(u), 1e-300)])
+        worst = np.inf
+
+        for _ in range(ITERATIONS):
+            r = f - u
+            scale = np.maximum(scale, np.abs(f) * np.isfinite(f))
+            worst = float(np.max(np.abs(r) / scale, initial=0.0))
+
+            if worst <= TOLERANCE:
+                self.outcome(f)
+                return
+
+            step = self._newton_step(u, f, r)
+            if step is None:
+                break
+            u, f, better = self._damped(u, f, r, step)
+            if not better:
+                break
+
+        raise CouplingError(
+            "the start is not consistent: the links in a circle, "
+            f"{circle_text(self.group, self.following)}, do not converge (they miss each other by {worst:.3g} of their "
+            "values); other start values of these inputs may help, or a circle with a delay in it"
+        )
+
+    def _newton_step(self, u, f, r):
+        J = self._jacobian(u, f)
+        try:
+            step = np.linalg.solve(np.eye(len(u)) - J, r)
+        except np.linalg.LinAlgError:
+            return None
+        return step if np.all(np.isfinite(step)) else None
+
+    def _damped(self, u, f, r, step):
+        """(u, f, whether it is better) after as much of a step as makes the links miss each other by less."""
+        weight = np.maximum(np.maximum(np.abs(u), np.abs(f)), self.nominal + 1e-300)
+        before = np.max(np.abs(r) / weight)
+        part = 1.0
+
+        while part >= SMALLEST:
+            trial = u + part * step
+            value = self.outcome(trial)
+            missed = np.abs(value - trial)
+            fine = np.all(np.isfinite(value))
+
+            if fine and (
+                np.max(missed / weight) < before * (1 - 0.1 * part) or np.all(missed <= TOLERANCE * weight)
+            ):
+                return trial, value, True
+            part /= 2
+
+        return u, f, False
+
+    def _jacobian(self, u, f):
+        """df/du: of directional derivatives where all FMUs of the circle have them, else of differences."""
+        J = self._told_jacobian()
+        if J is not None:
+            return J
+
+        J = np.zeros((len(u), len(u)))
+        for k in range(len(u)):
+            d = 1e-6 * max(abs(u[k]), self.nominal[k], 1.0)
+            other = u.copy()
+            other[k] += d
+            J[:, k] = (self.outcome(other) - f) / d
+        self.outcome(u)
+        return J
+
+    def _told_jacobian(self):
+        net = self.rig.net
+        D = np.zeros((net.n_y, net.n_u))
+
+        for port in self.ports:
+            entries = [(row, net.feeds[row].entry) for row in self.rows if net.feeds[row].taker == port.name]
+            outputs = net.read[port.name].signals
+            if not entries or not outputs:
+                continue
+            part = port.slave.derivatives(outputs, [entry for _, entry in entries])
+            if part is None:
+                return None
+            places = [net.read[port.name].places[s] for s in outputs]
+            D[np.ix_(places, [row for row, _ in entries])] = part
+
+        return (net.G @ D)[np.ix_(self.rows, self.rows)]
