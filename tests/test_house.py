@@ -20,6 +20,7 @@ FLOORS = (
     ("scene", "kernels"),
     ("compiler",),
     ("run",),
+    ("trace",),
     ("analysis", "export", "view"),
     ("cosim",),
     ("api",),

@@ -424,7 +424,8 @@ def solve_rows(m, d):
         for i in range(m.constraint_rows[c] - 1, -1, -1):
             value = d.multiplier[m.constraint_row[c] + i]
 
-            if value == 0.0:
+            # of dropped rows it is zero
+            if d.pivot[m.constraint_row[c] + i] == 0.0:
                 continue
 
             for t in range(first, end + 1):
@@ -453,7 +454,7 @@ def add_white(m, d):
         at = m.constraint_response[c] + (row - m.constraint_row[c]) * m.constraint_width[c]
         factor = d.multiplier[row]
 
-        if factor == 0.0:
+        if d.pivot[row] == 0.0:
             continue
 
         for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):

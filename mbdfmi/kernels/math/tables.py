@@ -11,20 +11,26 @@ LINEAR = 1
 
 
 @inlined
-def interval(m, k, x):
-    """The knot of table k left of x, by bisection; the first or last interval beyond the ends."""
-    low = m.table_knot[k]
-    high = low + m.table_knots[k] - 1
+def left_knot(knot_x, first, knots, x):
+    """Of `knots` ascending numbers, from knot_x[first] on, the one left of x, by bisection; the first or last but one beyond the ends."""
+    low = first
+    high = first + knots - 1
 
     while high - low > 1:
         middle = (low + high) // 2
 
-        if x < m.knot_x[middle]:
+        if x < knot_x[middle]:
             high = middle
         else:
             low = middle
 
     return low
+
+
+@inlined
+def interval(m, k, x):
+    """The knot of table k left of x; the first or last interval beyond the ends."""
+    return left_knot(m.knot_x, m.table_knot[k], m.table_knots[k], x)
 
 
 @inlined

@@ -1,0 +1,45 @@
+"""Which places of a model's buffers are given to a trace, and what they are called."""
+
+from ..kernels.layout import ARRAY, SLOT, array_length
+
+GIVEN_WORK = (
+    "now",
+    "input",
+    "command_course",
+    "command_settling",
+    "attitude_base",
+)
+"""Work arrays that a run leaves for `rates.evaluate_now` to read: time and inputs, and how commands go on."""
+
+KEPT_WORK = ("x_rate", "held", "least_share")
+"""Work arrays that steppers read after it, or that say what stands in the state. What else it leaves is read
+by no one.
+"""
+
+PREPARED = ("body_m", "body_h", "body_I", "added_I", "added_H", "added_M")
+"""What stands in the state but follows from parameters (`prepare`)."""
+
+
+def places(model, name: str) -> range:
+    """Where an array stands in its buffer."""
+    array = ARRAY[name]
+    counts = {array.count: getattr(model, array.count)} if isinstance(array.count, str) else {}
+    first = int(model.ints[SLOT[name]])
+    return range(first, first + array_length(array, counts))
+
+
+def places_of(model, names) -> set[int]:
+    """Where some arrays of one buffer stand in it."""
+    return {j for name in names for j in places(model, name)}
+
+
+def tunable(model) -> set[int]:
+    """Places of `reals` that are parameters: all others never change."""
+    return {v.index for v in model.of_causality("parameter")}
+
+
+class Everywhere:
+    """All places of a buffer."""
+
+    def __contains__(self, place):
+        return True

@@ -1,0 +1,62 @@
+"""Loops that end by values: each is one operation of the graph.
+
+A graph has no loops, and how often such a one turns is no matter of structure. So it is called: in C it is
+the kernel itself, written out by `translate`, in Python the kernel.
+"""
+
+from ..kernels.math import tables
+from ..kernels.motion import ellipses
+from .graph import INT, REAL
+from .plain import plain_function
+from .symbols import Symbol, node_of, symbol_of
+
+FUNCTIONS = {
+    "left_knot": (
+        plain_function(tables.left_knot),
+        {"knot_x": "const double *", "first": "int64_t", "knots": "int64_t", "x": "double"},
+    ),
+    "eccentric_anomaly": (plain_function(ellipses.eccentric_anomaly), {"M": "double", "e": "double"}),
+}
+"""The kernels that are such loops, by name, and the types of their parameters in C."""
+
+
+def _interval(function):
+    """`tables.interval`: a node of the argument, about (where its knots stand in `reals`, how many, index of
+    the first).
+    """
+
+    def interval(m, k, x):
+        if not isinstance(x, Symbol):
+            return function(m, k, x)
+
+        graph = x.graph
+        first = m.table_knot[k]
+        about = (m.knot_x.first + first, m.table_knots[k], first)
+        return symbol_of(
+            x.tracer, graph.node("interval", (x.k,), about, INT, function(m, k, graph.values[x.k]))
+        )
+
+    return interval
+
+
+def _eccentric_anomaly(function):
+    """`ellipses.eccentric_anomaly`: a node of the mean anomaly and the eccentricity."""
+
+    def eccentric_anomaly(M, e):
+        tracer = next((value.tracer for value in (M, e) if isinstance(value, Symbol)), None)
+
+        if tracer is None:
+            return function(M, e)
+
+        args = (node_of(tracer, M), node_of(tracer, e))
+        value = function(*(tracer.graph.values[k] for k in args))
+        return symbol_of(tracer, tracer.graph.node("eccentric_anomaly", args, None, REAL, value))
+
+    return eccentric_anomaly
+
+
+REPLACED = {
+    "math.tables.interval": _interval,
+    "motion.ellipses.eccentric_anomaly": _eccentric_anomaly,
+}
+"""Kernels that call them, and what takes their places."""
