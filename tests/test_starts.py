@@ -488,6 +488,15 @@ def test_hinges_that_lock_a_body_are_told(formulation):
 
 
 @formulations
+def test_a_motion_that_a_joint_has_for_nothing_is_not_a_stuck_body(formulation):
+    """Of a planar joint's motions one may stand still: the body moves by the others."""
+    on_line = {"point_on_line": {"axis": "y"}, "between": ["ground", "a"]}
+    joint = {"plane": {"planar": {}, "between": ["ground", "a"]}, "line": on_line}
+    instance, _ = start({"body": {"a": BLOCK}, "joint": joint}, formulation)
+    assert instance.notices == []
+
+
+@formulations
 def test_a_loop_of_held_joints_moves_nothing_below_it(formulation):
     """Speeds of all joints in the loop's tree are given: what its rows could move is rounding, and the body it hangs on stays."""
     last = BLOCK | {

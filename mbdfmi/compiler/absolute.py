@@ -90,24 +90,42 @@ def add_absolute_starts(builder, motion):
         if i <= ground:
             continue
 
-        if node.joint:
-            q, v = motion[node.joint, node.coordinate]
-            builder.single["q_start"][builder.q[i] : builder.q[i] + len(q)] = q
-            builder.single["v_start"][builder.v[i] : builder.v[i] + len(v)] = v
+        if node.part and node.coordinate > 0:  # of a chain whose first node has the values of all
             continue
 
-        name = node.bodies[0]
-        q, v = motion[name]
-        builder.single["q_start"][builder.q[i] : builder.q[i] + 7] = q
-        builder.single["v_start"][builder.v[i] : builder.v[i] + 6] = v
+        q, v = motion[node.part if node.part else (node.joint, node.coordinate)]
+        builder.single["q_start"][builder.q[i] : builder.q[i] + len(q)] = q
+        builder.single["v_start"][builder.v[i] : builder.v[i] + len(v)] = v
 
-        for quantity, array, at, values, unit in (
-            ("position", "q_start", builder.q[i], q[:3], "m"),
-            ("euler_parameters", "q_start", builder.q[i] + 3, q[3:], None),
-            ("velocity", "v_start", builder.v[i], v[:3], "m/s"),
-            ("omega", "v_start", builder.v[i] + 3, v[3:], "rad/s"),
-        ):
-            about = f"{quantity.replace('_', ' ')} of the moving part of {name} at the start, its frame in the ground's axes"
-            builder.add_start(dotted(name, f"{quantity}_start"), Place(array, at), values, unit, about, i)
+        if node.part:
+            _add_parameters(builder, i, node, q, v)
 
+
+def _add_parameters(builder, i, node, q, v):
+    """The start values of a part that hangs on the ground as parameters: of a pose, or of a motion in a plane."""
+    name, free = node.part, node.kind == "free"
+    n = 3 if free else 2
+    frame = (
+        "its frame in the ground's axes"
+        if free
+        else "along two axes of the plane that all moves in, and about its normal"
+    )
+
+    for quantity, array, at, values, unit in (
+        ("position", "q_start", builder.q[i], q[:n], "m"),
+        (
+            "euler_parameters" if free else "angle",
+            "q_start",
+            builder.q[i] + n,
+            q[n:],
+            None if free else "rad",
+        ),
+        ("velocity", "v_start", builder.v[i], v[:n], "m/s"),
+        ("omega", "v_start", builder.v[i] + n, v[n:], "rad/s"),
+    ):
+        about = f"{quantity.replace('_', ' ')} of the moving part of {name} at the start, {frame}"
+        values = values if len(values) > 1 else float(values[0])
+        builder.add_start(dotted(name, f"{quantity}_start"), Place(array, at), values, unit, about, i)
+
+    if free:
         builder.add_zyx(dotted(name, "zyx_start"), f"the moving part of {name}", i, q[3:])

@@ -99,7 +99,7 @@ def _joint_constraint(builder, name):
         nodes=builder.nodes_of(name),
         rows=[
             (row, i, end_frame if row in (rows.CONTACT, rows.FRAME, rows.SLIP) else j)
-            for row, i, j in (*kind.rows, *kind.rows_too(joint))
+            for row, i, j in builder.tree.rows_of(joint)
         ],
         value=value,
         at_start=at_start,

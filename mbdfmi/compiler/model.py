@@ -35,6 +35,7 @@ from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
 from .partition import MOST_AT_START, parted_tree, predicted_cost
+from .planes import planar_starts
 from .reactions import add_reactions
 from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
 from .topology import Tree, absolute_tree, spanning_tree
@@ -148,10 +149,16 @@ def _compile_parted(scene, tree, parted):
 
     Where the given start closes the loops, that needs no loop of the whole tree; very many loops are closed apart.
     """
-    model = _compile(scene, parted, "recursive", *start_motion(_open_model(scene, tree)))
+
+    def compiled(by_joints):
+        """The model that starts as one by joint coordinates."""
+        motion, angles = start_motion(by_joints)
+        return _compile(scene, parted, "recursive", planar_starts(parted, tree, motion), angles)
+
+    model = compiled(_open_model(scene, tree))
 
     if predicted_cost(scene, tree) < MOST_AT_START and not keeps_start(model):
-        model = _compile(scene, parted, "recursive", *start_motion(_compile(scene, tree, "recursive")))
+        model = compiled(_compile(scene, tree, "recursive"))
         return model if keeps_start(model) else None
 
     return model
@@ -264,6 +271,7 @@ def _counts(builder):
     counts |= builder.counts
     n_s = len(builder.single["s_start"])
     stepper = STEPPERS[builder.scene.solver.integrator]
+    kinds = [output.kind for output in builder.outputs]
     counts |= {
         "n_q": builder.n_q,
         "n_v": builder.n_v,
@@ -272,7 +280,8 @@ def _counts(builder):
         "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
-        "output_needs": outputs.needs([output.kind for output in builder.outputs]),
+        "output_needs": outputs.needs(kinds),
+        "n_turned": counts["n_body"] if outputs.EULER_PARAMETERS in kinds else 0,
         "embeds": int(builder.embeds),
         "n_mass": builder.n_v**2 if builder.embeds else 0,
         "integrator": stepper.number,

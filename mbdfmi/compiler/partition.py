@@ -12,9 +12,9 @@ from ..kernels.joints import KINDS, N_V
 from ..scene.constraints import CONSTRAINTS
 from ..scene.end_frames import END_FRAMES
 from .elimination import elimination, neighbours
-from .frames import IDENTITY
-from .joint_kinds import kind_of
-from .topology import Node, Tree
+from .frames import compose
+from .planes import find_planes, planar_nodes
+from .topology import Node, Tree, free_node
 
 # loops below which joint coordinates are kept whatever is predicted
 FEW_LOOPS = 16
@@ -68,24 +68,32 @@ def _parted(scene, tree):
         if first and node.parent > ground and not scene.joint[node.joint].driver:
             cut.add(node.joint)
 
+    cuts = [name for name in scene.joint if name in cut or name in set(tree.cuts)]
+    planes = find_planes(scene, tree, cuts)
     nodes: list[Node] = []
-    new = {-1: -1}
+    new, turned = {-1: -1}, {}
 
     for i, node in enumerate(tree.nodes):
         if node.joint not in cut or i <= ground:
-            new[i] = len(nodes)
             nodes.append(replace(node, parent=new[node.parent]))
+        elif node.bodies and planes:
+            chain, turned[i] = planar_nodes(ground, len(nodes), planes[ground], planes[i], node.bodies)
+            nodes += chain
         elif node.bodies:
-            new[i] = len(nodes)
-            nodes.append(Node(ground, "", "free", 0, False, IDENTITY, node.bodies))
+            nodes.append(free_node(ground, node.bodies))
 
-    home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
-    return Tree(nodes, home, [name for name in scene.joint if name in cut or name in set(tree.cuts)])
+        new[i] = len(nodes) - 1
+
+    home = {
+        body: (new[i], compose(turned[i], pose) if i in turned else pose)
+        for body, (i, pose) in tree.home.items()
+    }
+    return Tree(nodes, home, cuts, bool(planes))
 
 
 def predicted_cost(scene, tree) -> float:
     """Multiplications for the rows in an evaluation, redundant ones counted; of the factor's fill only where it is moderate."""
-    size = [len(kind_of(scene.joint[name]).rows) for name in tree.cuts]
+    size = [len(tree.rows_of(scene.joint[name])) for name in tree.cuts]
     paths = [_path(scene, tree, name) for name in tree.cuts]
     through = np.zeros(len(tree.nodes))
 

@@ -47,7 +47,7 @@ def _size(builder, array, first, n, least):
 
 def _positions(builder, i, node, length):
     """States of node i's joint among q."""
-    kind, joint = KINDS[node.kind], node.joint or "ground"
+    kind, joint = KINDS[node.kind], node.joint or node.part or "ground"
     slides = N_Q[kind] if E_OFFSET[kind] < 0 and N_SLIDE[kind] else max(E_OFFSET[kind], 0)
     turns = N_Q[kind] - slides
     name = dotted(joint)
@@ -63,7 +63,7 @@ def _positions(builder, i, node, length):
 
 def _velocities(builder, i, node, length):
     """States of node i's joint among v."""
-    kind, joint = KINDS[node.kind], node.joint or "ground"
+    kind, joint = KINDS[node.kind], node.joint or node.part or "ground"
     slides = N_SLIDE[kind]
     turns = N_V[kind] - slides
     name, first = dotted(joint), builder.v[i]

@@ -12,7 +12,7 @@ from ..scene import SceneData, SceneError
 from ..scene.errors import Problem
 from ..vectors import dot
 from .frames import IDENTITY, axes_with_z, compose, inverse
-from .joint_kinds import ONE_AXIS, chain, kind_of
+from .joint_kinds import IN_X_AND_Y, ONE_AXIS, chain, kind_of
 
 
 @dataclass
@@ -26,6 +26,7 @@ class Node:
     joint_frame : pose of the joint frame in the parent's frame (z along the joint's axis). The node's frame coincides
         with it at zero joint coordinates.
     bodies : the user's bodies in it; none inside a chain.
+    part : where no joint of the user's hangs it: the body that it moves, with those fixed to it.
     """
 
     parent: int
@@ -35,11 +36,12 @@ class Node:
     reversed: bool
     joint_frame: tuple
     bodies: list[str] = field(default_factory=list)
+    part: str = ""
 
     @property
     def name(self) -> str:
         """What a message calls it: its bodies' names."""
-        return " + ".join(self.bodies) or self.joint
+        return " + ".join(self.bodies) or self.joint or self.part
 
 
 @dataclass
@@ -47,11 +49,19 @@ class Tree:
     """Nodes, parents first, and where each of the user's bodies sits: body -> (node, pose in the node).
 
     cuts : names of the joints that close loops.
+    in_plane : whether all that moves does so in parallel planes by the joints of the tree, so that revolute joints that close
+        loops need no more than two rows each.
     """
 
     nodes: list[Node]
     home: dict[str, tuple[int, tuple]]
     cuts: list[str]
+    in_plane: bool = False
+
+    def rows_of(self, joint):
+        """The rows of a joint that closes a loop, as in `JointKind.rows`."""
+        kind = kind_of(joint)
+        return IN_X_AND_Y if self.in_plane else (*kind.rows, *kind.rows_too(joint))
 
     def marker(self, scene: SceneData, name: str):
         """(node, pose in the node) of "body", "body.marker", "ground" or "ground.marker"."""
@@ -166,7 +176,7 @@ def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
         node = tree.nodes[i]
 
         if i > ground:
-            free = Node(ground, "", "free", 0, False, IDENTITY, node.bodies)
+            free = free_node(ground, node.bodies)
             node = replace(node, parent=new[node.parent]) if node.joint in stays else free
 
         nodes.append(node)
@@ -174,6 +184,11 @@ def absolute_tree(tree: Tree, scene: SceneData) -> Tree:
     home = {body: (new[i], pose) for body, (i, pose) in tree.home.items()}
     cuts = [name for name, joint in scene.joint.items() if not is_weld(joint) and name not in stays]
     return Tree(nodes, home, cuts)
+
+
+def free_node(ground: int, bodies: list[str]) -> Node:
+    """A node of these bodies that moves freely."""
+    return Node(ground, "", "free", 0, False, IDENTITY, bodies, bodies[0] if bodies else "")
 
 
 def is_weld(joint) -> bool:

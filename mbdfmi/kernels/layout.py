@@ -59,6 +59,7 @@ COUNTS = (
     "n_told",  # start values that the user gave
     "n_reaction",  # joints whose reactions go out
     "n_output",  # blocks of outputs
+    "n_turned",  # bodies, where Euler parameters are among the outputs, else 0
     "n_u",  # scalar inputs
     "n_y",  # scalar outputs
     "output_needs",  # see outputs.py
@@ -394,6 +395,7 @@ ARRAYS = (
     Array("r", "work", 3, "n_body", "m, origin from O"),
     Array("A", "work", 9, "n_body", "body axes to O"),
     Array("w", "work", 3, "n_body", "rad/s, angular velocity"),
+    Array("E", "work", 4, "n_turned", "Euler parameters in O, continuous in time (for outputs alone)"),
     Array("rd", "work", 3, "n_body", "m/s, velocity of the origin"),
     Array("arm", "work", 3, "n_body", "m, from the parent's origin"),
     Array("axis", "work", 3, "n_body", "the joint's axis"),

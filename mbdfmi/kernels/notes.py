@@ -153,8 +153,12 @@ def tell_of_start(m, d):
             if max(al.norm(span), turned) > m.closing_tolerance[0]:
                 tell(d, status(GAP_TAKEN, m.n_body + c), al.norm(span), turned)
 
-    for i in range(1, m.n_body):
+    # a node without a body, inside a chain of simple motions, may well stand still; one with several bodies is told once
+    for k in range(m.n_solid):
+        i = m.solid_body[k]
+
         if d.stuck[i] == 2.0:
+            d.stuck[i] = 0.0
             tell(d, status(BODY_STUCK, i), 0.0, 0.0)
 
     # these may be many: what does not fit any more is of their kind

@@ -366,6 +366,9 @@ def write_scene_output(m, d, kind, at, y):
 @kernel
 def write_outputs(m, d, y):
     """All outputs into y[n_y]. Needs kinematics, and what `output_needs` says."""
+    if m.n_turned > 0:
+        markers.turn_bodies(m, d)
+
     for k in range(m.n_output):
         kind = m.output_kind[k]
         a = m.output_a[k]

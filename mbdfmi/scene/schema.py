@@ -31,7 +31,8 @@ class Solver(Part):
         "gauss", implicit and symmetric, of order 8, for the long run.
     formulation : "recursive", "embedding", "augmented", or "auto": joint coordinates, or, where many loops stand in a row and
         that is predicted to be half as dear or less, bodies apart, whose own poses are the states and have the start values (as
-        with "augmented"). `mbdfmi info` shows what was chosen.
+        with "augmented"; position and angle in the plane where all of the mechanism moves in one). `mbdfmi info` shows what was
+        chosen.
     step : s, of those with a fixed step.
     tolerance, absolute_tolerance : of the adaptive ones, relative and absolute.
     max_step : s, of the adaptive ones, or None.

@@ -1,6 +1,7 @@
 """Triangles of geometric forms, each in its own axes about its centre, round ones along z."""
 
 import itertools
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,7 @@ def moved(surface: Triangles, r, A, size=(1.0, 1.0, 1.0)) -> Triangles:
     return Triangles(surface.points * size @ np.transpose(A) + r, normals @ np.transpose(A), surface.faces)
 
 
+@cache
 def box() -> Triangles:
     """A cube of edge 1."""
     square = np.array([[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]) / 2
@@ -99,6 +101,7 @@ def _arc(radius, first, last, height=0.0, n=AROUND // 2):
     return radius * normals + [0.0, height], normals
 
 
+@cache
 def sphere() -> Triangles:
     """Of radius 1."""
     return revolved([_arc(1.0, -np.pi / 2, np.pi / 2)])
@@ -111,6 +114,7 @@ def cone(radius, top_radius, length) -> Triangles:
     return revolved([_straight(a, b) for a, b in itertools.pairwise(corners) if a != b])
 
 
+@cache
 def cylinder() -> Triangles:
     """Of radius 1 and length 1."""
     return cone(1.0, 1.0, 1.0)

@@ -66,16 +66,19 @@ def angular_velocity(m, d, k):
 
 
 @inlined
+def turn_bodies(m, d):
+    """Euler parameters of all bodies in O, by the chain of joints: continuous in time, of unit length but for rounding."""
+    al.set_E_at(d.E, 0, al.E_IDENTITY)
+
+    for i in range(1, m.n_body):
+        base = al.E_product(al.E_at(d.E, 4 * m.body_parent[i]), al.matrix_E(al.mat3(m.body_A, i)))
+        al.set_E_at(d.E, 4 * i, al.E_product(base, joints.relative_E(m, d, i)))
+
+
+@inlined
 def E(m, d, k):
-    """Euler parameters of marker k in O, by the chain of joints: continuous in time, unit length."""
-    turned = al.matrix_E(al.mat3(m.marker_A, k))
-    i = m.marker_body[k]
-
-    while i > 0:
-        turned = al.E_product(joints.relative_E(m, d, i), turned)
-        turned = al.E_product(al.matrix_E(al.mat3(m.body_A, i)), turned)
-        i = m.body_parent[i]
-
+    """Euler parameters of marker k in O, unit length, after `turn_bodies`."""
+    turned = al.E_product(al.E_at(d.E, 4 * m.marker_body[k]), al.matrix_E(al.mat3(m.marker_A, k)))
     return al.E_scale(1.0 / math.sqrt(al.E_dot(turned, turned)), turned)
 
 
