@@ -1,6 +1,7 @@
 """The scene as a Python user meets it: it can simulate and export itself."""
 
 import os
+import re
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,9 @@ from . import scene as _scene
 from .scene import SceneError as SceneError
 from .scene import reader
 from .scene.fields import adopted, given
+
+START_VALUE = re.compile(r"_start(\[\d+\])?$")
+"""How the names of parameters end that are start values."""
 
 
 class Scene(_scene.SceneData):
@@ -67,22 +71,44 @@ class Scene(_scene.SceneData):
         return self._imported.notes if self._imported else []
 
     def compile(self):
-        """The `Model` of the scene: arrays and variables. Raises SceneError."""
+        """The `Model` of the scene: arrays and variables. Raises SceneError; NoEquilibrium where it is to
+        start in one and there is none.
+        """
+        return self._compiled(self._starting())
+
+    def _compiled(self, scene):
         from .compiler.model import compile_scene
 
+        with self._file_named():
+            return compile_scene(scene)
+
+    def _starting(self, hold=None, parameters=None, time=0.0):
+        """The scene checked, with the start that it asks for."""
         self._whole()
 
+        if self.solver.start == "given":
+            return self
+
         with self._file_named():
-            return compile_scene(self)
+            return self.equilibrium(hold=hold, parameters=parameters, time=time).scene
 
     def simulate(self, until, step=None, inputs=None, parameters=None, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
         name, that can be looked at: `results.view()`.
         """
-        from .run.simulate import simulate
+        from .run.simulate import inputs_at_start, simulate
         from .view.show import Run
 
-        return Run.of(simulate(self.compile(), until, step, inputs, parameters, **options))
+        scene = self
+
+        if self.solver.start != "given":
+            time = options.get("start_time", 0.0)
+            hold = inputs_at_start(self._compiled(self._whole()), until, step, inputs, time)
+            scene = self._starting(hold, parameters, time)
+            parameters = {key: x for key, x in (parameters or {}).items() if not START_VALUE.search(key)}
+
+        self._whole()
+        return Run.of(simulate(self._compiled(scene), until, step, inputs, parameters, **options))
 
     def show(self, path=None) -> Path:
         """The scene as it is assembled, as a page (.html), GLB or PNG; without a path, in the browser; see
@@ -120,7 +146,22 @@ class Scene(_scene.SceneData):
         """
         from .analysis.linearise import linearise
 
-        return linearise(self._whole(), inputs, outputs, at, **options)
+        given = {key: options[key] for key in ("hold", "parameters") if key in options}
+        return linearise(self._starting(**given), inputs, outputs, at, **options)
+
+    def equilibrium(self, **options):
+        """The static equilibrium that it comes to from its start; see `mbdfmi.analysis.rest.equilibrium`. Its
+        `scene` starts there.
+        """
+        from .analysis.rest import equilibrium
+
+        return equilibrium(self._whole(), **options)
+
+    def equilibria(self, **options):
+        """All that are found from drawn starts; see `mbdfmi.analysis.rest.equilibria`."""
+        from .analysis.rest import equilibria
+
+        return equilibria(self._whole(), **options)
 
     def compare_steppers(self, until, step=None, **options):
         """Error against cost of every stepper on this scene; see

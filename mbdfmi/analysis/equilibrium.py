@@ -12,6 +12,7 @@ import numpy as np
 from ..kernels.dynamics import rates
 from ..kernels.joints import N_V
 from ..kernels.motion import drives
+from ..scene.errors import listed
 from .manifold import Manifold, NoState
 
 # furthest step at first (rad, or parts of the scene's length), how far in all before nothing is hoped for,
@@ -19,6 +20,9 @@ from .manifold import Manifold, NoState
 STRIDE = 0.3
 FURTHEST = 1e3
 ITERATIONS = 400
+
+# iterations of Newton's method from a drawn start
+STRAIGHT = 60
 
 # a step (rad, parts of the scene's length) from which on Newton's method finishes, and the last ones
 CLOSE = 1e-5
@@ -116,6 +120,23 @@ def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
     return manifold, rest
 
 
+def approach(mechanism, draw, far, downhill=True) -> tuple[Manifold, Rest]:
+    """The same from a drawn start; downhill : to a stable one, else to any by Newton's method.
+
+    draw : a generator of random numbers. far : rad, or lengths of the scene, that coordinates are drawn from.
+    Raises NoEquilibrium.
+    """
+    freeze(mechanism)
+    manifold = Manifold(mechanism)
+    search = _Search(manifold)
+
+    if len(manifold.speeds):
+        search.start_anywhere(draw, far)
+
+    count = search.run() if downhill else search.run_straight()
+    return manifold, Rest(search.squares, search.shapes, search.error, count)
+
+
 class _Search:
     """A search from the state that a manifold looks at."""
 
@@ -177,9 +198,79 @@ class _Search:
                 tell(f"{iteration + 1} steps, {self.travel:.3g} rad or lengths of the scene")
 
             if self.travel > FURTHEST:
+                raise NoEquilibrium(self._moves_away())
+
+        raise NoEquilibrium(
+            f"no equilibrium was found in {ITERATIONS} steps from the start: {self._moving()} may never come "
+            "to rest"
+        )
+
+    def start_anywhere(self, draw, far):
+        """Moves to a drawn state, by steps that loops can follow."""
+        manifold = self.manifold
+        way = draw.uniform(-far, far, len(manifold.speeds)) * self.unit[manifold.speeds]
+        parts = max(1, int(np.ceil(self._size(way) / STRIDE))) if manifold.m.n_row else 1
+
+        for _ in range(parts):
+            try:
+                manifold.put(manifold.V @ way / parts)
+            except NoState:
+                # as far as it goes
+                manifold.put()
                 break
 
-        raise NoEquilibrium(self._moves_away())
+            self._stay()
+
+        manifold.look()
+
+    def run_straight(self):
+        """Newton's method, shortened as long as the accelerations do not fall; to stable equilibria or not.
+        Returns the iterations. Raises NoEquilibrium.
+        """
+        manifold = self.manifold
+
+        if not len(manifold.speeds):
+            return self.run()
+
+        for iteration in range(STRAIGHT):
+            self._see()
+            neutral = np.abs(self.squares) <= NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
+
+            if self._newton_is_close(neutral):
+                pulled = np.abs(self.own.T @ self.force) > PULLED * self._scale()
+
+                if np.any(neutral & pulled):
+                    break
+
+                self._finish(neutral)
+                return iteration + 1
+
+            step = self.newton * min(1.0, STRIDE / self._size(self.newton))
+
+            if not self._falls(step, np.linalg.norm(self.force)):
+                break
+
+            manifold.look()
+
+        raise NoEquilibrium("Newton's method finds no equilibrium from there")
+
+    def _falls(self, step, size):
+        """Goes a step, or a part of it, that makes the accelerations smaller; False where none does."""
+        manifold = self.manifold
+
+        for _ in range(10):
+            try:
+                manifold.put(manifold.V @ step)
+                pull = manifold.accelerations()[manifold.speeds]
+            except NoState:
+                pull = np.full(len(step), np.inf)
+
+            if np.linalg.norm(self.L.T @ pull) < size:
+                return True
+
+            step = 0.5 * step
+
+        return False
 
     def _scale(self):
         """Accelerations in coordinates of mass 1 that compare with those of weights and springs here."""
@@ -248,7 +339,7 @@ class _Search:
             try:
                 manifold.put(manifold.V @ step)
                 pull = manifold.accelerations()[manifold.speeds]
-            except ArithmeticError:
+            except NoState:
                 limit *= 0.25
                 damping *= 4.0
 
@@ -272,13 +363,15 @@ class _Search:
         grown = limit * (4.0 if even and shorten < 1.0 else 1.5)
         return damping / (4.0 if after > 0.0 else 2.0), max(grown if even else min(grown, STRIDE), 1e-8)
 
-    def _moves_away(self):
-        """What is told of the last direction."""
+    def _moving(self):
+        """Coordinates that are pulled most."""
         manifold = self.manifold
         step = np.abs(manifold.V @ np.linalg.solve(self.L.T, self.force)) / self.unit
         parts = np.argsort(-step)[:3]
-        names = [manifold.named[k].position for k in parts if step[k] > 0.1 * step[parts[0]]]
-        return (
-            f"there is no equilibrium near the start: {', '.join(names)} "
-            f"{'moves' if len(names) == 1 else 'move'} away"
-        )
+        return listed([manifold.named[k].position for k in parts if step[k] > 0.1 * step[parts[0]]])
+
+    def _moves_away(self):
+        """What is told of the last direction."""
+        moving = self._moving()
+        several = '" and "' in moving
+        return f"there is no equilibrium near the start: {moving} move{'s' * (not several)} away"

@@ -188,6 +188,11 @@ class Mechanism:
         model = replace(self.model, ints=self._ints.copy())
         return Mechanism(self.scene, (), parameters, inputs, start_time, model)
 
+    @property
+    def inputs(self):
+        """Values of the inputs by their position in u."""
+        return dict(enumerate(self.d.u_buffer[: self.model.n_u].tolist()))
+
     # places
 
     def here(self) -> Place:

@@ -66,17 +66,12 @@ def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=Non
         if at == EQUILIBRIUM:
             raise
 
-        return mechanism.again(parameters, _inputs(mechanism)), [
+        return mechanism.again(parameters, mechanism.inputs), [
             *notices,
             f"{error}; this is about the start",
         ]
 
     return mechanism, notices
-
-
-def _inputs(mechanism):
-    """Inputs by their position in u."""
-    return dict(enumerate(mechanism.d.u_buffer[: mechanism.model.n_u].tolist()))
 
 
 def rests(mechanism):

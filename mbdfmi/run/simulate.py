@@ -69,6 +69,13 @@ def simulate(
     return Results(by_name, units, model.title, instance.notices + signals.notices, states)
 
 
+def inputs_at_start(model, until, step=None, inputs=None, start_time=0.0) -> dict[str, float]:
+    """Values, by the variables' names, that inputs given as to `simulate` have at its start."""
+    times, _ = communication_points(start_time, until, step)
+    first = Inputs(model, inputs or {}, times, model.scene.solver.tolerance).first()
+    return {v.name: float(first[v.index]) for v in model.of_causality("input") if v.index in first}
+
+
 def _tolerance(model, parameters):
     """The solver's relative tolerance, a parameter."""
     return (parameters or {}).get("solver.tolerance", model.scene.solver.tolerance)

@@ -40,6 +40,9 @@ class Solver(Part):
         needs more stops with the time reached. Without it, as many as take about 10 s.
     closing_tolerance : m and rad, the largest gap of a closed loop. A loop that repeats itself not quite exactly, as one of
         hinges whose axes are 1e-5 rad off, is closed but for a gap of up to 1e-4, which is told.
+    start : "given", as the start values say; or "equilibrium", the static equilibrium that the scene comes to from there
+        (`mbdfmi equilibrium`): all at rest, but for what spins without stiffness, which keeps its speed. An FMU starts where the
+        scene's own parameters have it: changed parameters do not move its start.
     output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative), those of
         what is read off between inner steps included.
     """
@@ -52,6 +55,7 @@ class Solver(Part):
     max_step: Positive | None = None
     max_evaluations: Positive | None = None
     closing_tolerance: Positive = 1e-9
+    start: OneOf("given", "equilibrium") = "given"
     output: SomeOf(*SOLVER_OUTPUTS) = []
 
     @model_validator(mode="after")

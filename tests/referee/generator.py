@@ -200,13 +200,14 @@ def _scene(dice, taste, seed):
         drawn[mechanism.names.new(names.FORCES)] = table
 
     later.add(seed, mechanism, drawn, gravity)
+    begin = later.begin(seed)
     data = {"name": f"random {seed}"} | telling.texts(dice) | gravity
     teller = telling.Teller(dice, taste)
     solver = telling.solver(dice)
     ground = teller.output(("reaction_force", "reaction_moment")) | ({"motion": motion} if motion else {})
 
-    if solver:
-        data["solver"] = solver
+    if solver | begin:
+        data["solver"] = solver | begin
 
     measures = _measures(dice, mechanism, taste, teller)
     data |= teller.output(telling.SCENE)

@@ -35,6 +35,12 @@ def add(seed, mechanism, forces, gravity):
     looks.add_solid(Dice(seed, 3), mechanism)
 
 
+def begin(seed) -> dict:
+    """Maybe how it starts. A run of the compiled scene starts as given in any case: what is asked for there is not."""
+    dice = Dice(seed, 8)
+    return {"start": dice.pick(["given", "equilibrium"])} if dice.chance(0.1) else {}
+
+
 def _float(dice, mechanism, forces, water):
     """Maybe hulls on bodies, most of which cut the water plane."""
     if dice.chance(0.7):

@@ -1,0 +1,245 @@
+"""Static equilibria against closed forms, and against runs that die away."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+import mbdfmi
+from mbdfmi import Scene
+from mbdfmi.analysis.equilibrium import NoEquilibrium
+
+G = 9.81
+
+
+def hanging(masses, length=1.0, **first):
+    """Bars of equal length in a chain, each with its mass at the lower end."""
+    bodies, joints = {}, {}
+
+    for i, mass in enumerate(masses):
+        bodies[f"b{i}"] = {
+            "mass": mass,
+            "com": [0, 0, -length],
+            "inertia": [0, 0, 0],
+            "marker": {"end": {"position": [0, 0, -length]}},
+        }
+        before = "ground" if i == 0 else f"b{i - 1}.end"
+        joints[f"j{i}"] = {"revolute": {"axis": "y"}, "between": [before, f"b{i}"]} | (
+            first if i == 0 else {}
+        )
+
+    return Scene(name="chain", gravity=[0, 0, -G], body=bodies, joint=joints)
+
+
+def test_a_chain_pulled_aside_hangs_as_its_loads_have_it():
+    """Each bar lies along the force that it bears: that on the last bead, and the weights below."""
+    masses, pull = [0.5, 1.0, 2.0, 0.7, 0.3], 6.0
+    scene = hanging(masses)
+    scene.body["b4"].marker["end"].input = ["force"]
+    found = scene.equilibrium(hold={"b4.end.force[1]": pull})
+    below = np.cumsum(masses[::-1])[::-1] * G
+    angles = -np.arctan2(pull, below)
+    turned = np.cumsum([found.coordinates[f"j{i}.angle"] for i in range(5)])
+    assert found.stable
+    assert np.abs(turned - angles).max() < 1e-13
+    force = found.reactions["j0"][0]
+    assert np.abs(force - [-pull, 0, below[0]]).max() < 1e-11
+
+
+def test_a_string_between_two_points_is_that_of_its_links():
+    """A loop: n links with equal beads, its ends at one height; found by the closed form of a string of links, in which each
+    bears the same pull and the weight beside it.
+    """
+    n, span, mass = 8, 5.0, 1.0
+    scene = hanging([mass] * n)
+    data = scene.model_dump(exclude_unset=True)
+    data["body"][f"b{n - 1}"]["mass"] = 0.0
+    data["ground"] = {"marker": {"hook": {"position": [span, 0, 0]}}}
+    data["joint"]["hook"] = {
+        "revolute": {"axis": "y"},
+        "between": ["ground.hook", f"b{n - 1}.end"],
+        "output": ["reaction_force"],
+    }
+    data["joint"]["j0"]["start"] = {"angle": -0.3}
+    loads = mass * G * (np.arange(n)[::-1] - (n - 1) / 2)
+
+    def sag(pull):
+        return np.sum(pull / np.hypot(pull, loads)) - span
+
+    pull = optimize.brentq(sag, 1e-3, 1e3, xtol=1e-14)
+    found = Scene.model_validate(data).equilibrium()
+    assert found.stable
+    assert np.abs(np.abs(found.reactions["hook"][0]) - [pull, 0, (n - 1) / 2 * mass * G]).max() < 1e-9
+
+
+def strut(load, start=0.0):
+    """Two bars in a line under a load, held straight by a spring in the hinge; it buckles at k / (l / 4 * 2)."""
+    bar = {
+        "mass": 1e-3,
+        "com": [0, 0, 0.25],
+        "inertia": [1e-6, 1e-6, 1e-6],
+        "marker": {"end": {"position": [0, 0, 0.5]}},
+    }
+    return Scene(
+        name="strut",
+        gravity=[0, 0, 0],
+        body={"a": bar, "b": bar, "head": {"mass": 1e-3, "inertia": [0, 0, 0]}},
+        joint={
+            "foot": {"revolute": {"axis": "y"}, "between": ["ground", "a"], "start": {"angle": start}},
+            "hinge": {"revolute": {"axis": "y"}, "between": ["a.end", "b"], "spring": {"stiffness": 10.0}},
+            "pin": {"revolute": {"axis": "y"}, "between": ["b.end", "head"]},
+            "guide": {"prismatic": {"axis": "z"}, "between": ["ground", "head"]},
+        },
+        force={"load": {"load": {"force": [0, 0, -load]}, "on": "head"}},
+    )
+
+
+def test_a_strut_buckles_at_its_load_into_its_branch():
+    """k 2 a = P l / 2 ... : two bars of l = 0.5, hinge spring k: k (2 a) 2 = 2 P l sin a, so P = 2 k a / (l sin a)."""
+    k, length = 10.0, 0.5
+    critical = 2 * k / length
+    straight = strut(0.98 * critical).equilibrium()
+    assert straight.stable and abs(straight.coordinates["hinge.angle"]) < 1e-12
+
+    for over in (1.02, 1.3, 2.0):
+        bent = strut(over * critical).equilibrium()
+        angle = optimize.brentq(lambda a: a / np.sin(a) - over, 1e-6, 3.0, xtol=1e-15)
+        assert bent.stable and any("unstable" in notice for notice in bent.notices)
+        assert abs(abs(bent.coordinates["hinge.angle"]) - 2 * angle) < 1e-11
+
+    stays = strut(1.3 * critical).equilibrium(nearest=True)
+    assert stays.stable is False and "hinge.angle" in stays.motions[0]
+    both = strut(1.3 * critical).equilibria(n=20)
+    assert [one.stable for one in both] == [True, True, False]
+
+
+def test_what_falls_or_turns_for_ever_has_no_equilibrium():
+    ball = {"ball": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}}
+    free = Scene(
+        name="ball", gravity=[0, 0, -G], body=ball, joint={"fly": {"free": {}, "between": ["ground", "ball"]}}
+    )
+
+    with pytest.raises(NoEquilibrium, match=r"fly\.position\[3\].* moves away"):
+        free.equilibrium()
+
+    wheel = {"revolute": {"axis": "z"}, "between": ["ground", "ball"], "input": "torque"}
+    driven = Scene(name="wheel", gravity=[0, 0, -G], body=ball, joint={"axle": wheel})
+
+    with pytest.raises(NoEquilibrium, match=r"axle\.angle.* moves away"):
+        driven.equilibrium(hold={"axle.torque": 1.0})
+
+    assert driven.equilibrium().stable is None
+
+
+def test_stops_ropes_and_held_drives_at_rest():
+    """A bar on a stop, against its closed form; drives stay where they are at the time asked for."""
+    bar = {"mass": 2.0, "com": [0.5, 0, 0], "inertia": [0, 0.1, 0.1]}
+    joint = {
+        "revolute": {"axis": "y"},
+        "between": ["ground", "bar"],
+        "stop": {"upper": 0.2, "stiffness": 500.0},
+        "output": ["stop_effort"],
+    }
+    found = Scene(name="stop", gravity=[0, 0, -G], body={"bar": bar}, joint={"hinge": joint}).equilibrium()
+    angle = optimize.brentq(lambda a: 500 * (a - 0.2) - 2 * G * 0.5 * np.cos(a), 0.2, 0.3, xtol=1e-15)
+    assert found.stable and abs(found.coordinates["hinge.angle"] - angle) < 1e-13
+    assert abs(found.efforts["hinge.stop_effort"] + 500 * (angle - 0.2)) < 1e-9
+
+    arm = {
+        "slide": {
+            "prismatic": {"axis": "x"},
+            "between": ["ground", "cart"],
+            "driver": {"harmonic": {"amplitude": 0.3, "frequency": 0.25}},
+        },
+        "swing": {"revolute": {"axis": "y"}, "between": ["cart", "bob"], "start": {"angle": 1.0}},
+    }
+    point = {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}
+    driven = Scene(
+        name="cart", gravity=[0, 0, -G], body={"cart": point, "bob": point | {"com": [0, 0, -1]}}, joint=arm
+    )
+    later = driven.equilibrium(time=1.0)
+    assert abs(later.coordinates["slide.position"] - 0.3) < 1e-15
+    assert abs(later.coordinates["swing.angle"]) < 1e-15
+    assert np.abs(later.reactions["swing"][0] - [0, 0, G]).max() < 1e-12
+
+
+ROOT = mbdfmi.__path__[0] + "/../models/"
+
+
+@pytest.mark.parametrize(
+    "name", ["pendulum", "four_bar", "double_pendulum", "bricard", "two_link_arm", "marble_run"]
+)
+def test_rest_is_where_a_damped_run_ends(name):
+    """With dampers in its joints the scene comes to the equilibrium that was found, or to one of those that were."""
+    scene = mbdfmi.load(ROOT + name + ".toml")
+
+    for joint in scene.joint.values():
+        if joint.kind in ("revolute", "prismatic") and not joint.driver:
+            joint.damper = 2.0
+
+    found = scene.equilibrium()
+    assert found.stable is not False
+    assert found.error < 1e-9
+    stays = found.scene.simulate(1.0, 0.5)
+
+    for body, (r, _) in found.positions.items():
+        assert np.abs(stays.poses(body)[0] - r).max() < 1e-7
+
+    if name in ("pendulum", "four_bar", "double_pendulum"):
+        ends = scene.simulate(120.0, 60.0)
+        r = {body: ends.poses(body)[0][-1] for body in scene.body}
+        others = [found] if name == "pendulum" else scene.equilibria(n=10)
+        assert min(max(np.abs(one.positions[b][0] - r[b]).max() for b in r) for one in others) < 1e-5
+
+
+def test_a_scene_that_starts_at_rest_stays(tmp_path):
+    """`start = "equilibrium"` in a run with inputs and parameters, in an FMU, and the speeds of what spins freely."""
+    bar = {"mass": 2.0, "com": [0, 0, -0.5], "inertia": [0, 0.1, 0.1]}
+    joint = {
+        "revolute": {"axis": "y"},
+        "between": ["ground", "bar"],
+        "start": {"angle": 1.0},
+        "input": "torque",
+        "output": ["angle"],
+    }
+    scene = Scene(
+        name="rest",
+        gravity=[0, 0, -G],
+        body={"bar": bar},
+        joint={"pivot": joint},
+        solver={"start": "equilibrium"},
+    )
+    run = scene.simulate(2.0, inputs={"pivot.torque": lambda t: 0.3 * G}, parameters={"gravity": [0, 0, -G]})
+    assert np.ptp(run["pivot.angle"]) < 1e-12
+    assert abs(np.sin(run["pivot.angle"][0]) - 0.3) < 1e-12
+    linear = scene.linearise(at="start", hold={"pivot.torque": 0.3 * G})
+    assert abs(linear.stiffness[0, 0] - G * np.sqrt(1 - 0.09)) < 1e-9
+
+    path = scene.export(tmp_path / "rest.fmu")
+    import fmpy
+
+    result = fmpy.simulate_fmu(str(path), stop_time=1.0, output=["pivot.angle"])
+    assert np.abs(result["pivot.angle"]).max() < 1e-12
+
+    turbine = mbdfmi.load(ROOT + "floating_wind_turbine/floating_wind_turbine.toml").equilibrium().scene
+    assert turbine.joint["shaft"].start.speed_rpm == 12.1
+    assert turbine.joint["float"].start.position[2] < -0.1
+
+
+def test_a_file_gets_its_new_start_and_keeps_its_words(tmp_path, capsys):
+    from mbdfmi.cli import main
+
+    path = tmp_path / "four_bar.toml"
+    text = Path(ROOT, "four_bar.toml").read_text()
+    path.write_text(text)
+    assert main(["equilibrium", str(path), "--write", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "stable" in told and "crank_pivot.angle" in told
+    comments = [line for line in text.splitlines() if line.startswith("#")]
+    assert all(line in path.read_text() for line in comments)
+    again = mbdfmi.load(path).equilibrium()
+    assert again.iterations == 1
+    assert main(["equilibrium", str(path), "--all", "--nearest"]) == 1
+    assert main(["equilibrium", ROOT + "satellite.toml"]) == 1
+    assert "moves away" in capsys.readouterr().err
