@@ -18,6 +18,12 @@ def dot(*factors):
     return product
 
 
+def cross(a, b):
+    """The cross product (3,) of two vectors, to the bit that of numpy, which takes ten times as long."""
+    (a0, a1, a2), (b0, b1, b2) = (map(float, vector) for vector in (a, b))
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+
+
 def norm(vector):
     """Length of a vector."""
     return math.sqrt(sum(float(x) * float(x) for x in vector))

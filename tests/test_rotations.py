@@ -1,4 +1,4 @@
-"""Rotations against scipy's, to the bit: a model's bytes follow from them."""
+"""Rotations against scipy's, products of vectors against numpy's, to the bit: a model's bytes follow from them."""
 
 import warnings
 
@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation as Theirs
 
 from mbdfmi.rotations import Rotation
+from mbdfmi.vectors import cross
 
 RNG = np.random.default_rng(5)
 ANGLES = np.vstack(
@@ -52,3 +53,12 @@ def test_yaw_pitch_roll():
     with warnings.catch_warnings(action="ignore"):
         for E in [*EULER_PARAMETERS, *Rotation.from_euler("ZYX", ANGLES).as_quat()]:
             np.testing.assert_array_equal(Rotation.from_quat(E).as_zyx(), Theirs.from_quat(E).as_euler("ZYX"))
+
+
+def test_a_cross_product_is_numpys():
+    rng = np.random.default_rng(1)
+
+    for k in range(300):
+        a, b = rng.normal(size=3), np.eye(3)[k % 3] if k % 2 else rng.normal(size=3)
+        assert cross(a, b).tobytes() == np.cross(a, b).tobytes()
+        assert cross(b, a).tobytes() == np.cross(b, a).tobytes()

@@ -34,6 +34,13 @@ class Table:
         self.length += 1
         return self.length - 1
 
+    def extend(self, rows: list[dict]):
+        """Many more objects, one number each by array name."""
+        for name in rows[0] if rows else ():
+            self.columns.setdefault(name, []).append(np.array([row[name] for row in rows]))
+
+        self.length += len(rows)
+
 
 class Source(NamedTuple):
     """Where the numbers of an output come from: its kind in kernels/outputs.py, and what of (see there)."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..vectors import dot, norm
+from ..vectors import cross, dot, norm
 
 IDENTITY = (np.zeros(3), np.eye(3))
 
@@ -20,6 +20,6 @@ def inverse(pose):
 def axes_with_z(axis):
     """A rotation matrix whose third column is the unit vector `axis` (3,); exact for coordinate axes."""
     helper = np.eye(3)[np.argmin(np.abs(axis))]
-    x = np.cross(helper, axis)
+    x = cross(helper, axis)
     x /= norm(x)
-    return np.column_stack([x, np.cross(axis, x), axis])
+    return np.column_stack([x, cross(axis, x), axis])

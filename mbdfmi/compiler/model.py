@@ -174,7 +174,7 @@ def _open_model(scene, tree):
     add_joints(builder)
     builder.outputs.clear()
     builder.tables["n_output"] = Table()
-    return _assemble(builder)
+    return _assemble(builder, NO_STEPS)
 
 
 def _compile(scene, tree, formulation, motion=None, angles=None):
@@ -201,10 +201,14 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     return _assemble(builder)
 
 
-def _assemble(builder):
-    """The model of all that was collected."""
+# the stepper of models that are asked for their start alone: it keeps the least
+NO_STEPS = STEPPERS["rk4"]
+
+
+def _assemble(builder, stepper=None):
+    """The model of all that was collected; stepper: by default that of the scene."""
     scene = builder.scene
-    counts = _counts(builder)
+    counts = _counts(builder, stepper or STEPPERS[scene.solver.integrator])
     add_work_limit(builder, counts)
     header, length = layout.arrange(counts)
     offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
@@ -265,12 +269,11 @@ def _list_variables(builder, states, offset):
     }
 
 
-def _counts(builder):
+def _counts(builder, stepper):
     """All counts of the layout: lengths of tables and what else is counted, by name."""
     counts = {name: table.length for name, table in builder.tables.items()}
     counts |= builder.counts
     n_s = len(builder.single["s_start"])
-    stepper = STEPPERS[builder.scene.solver.integrator]
     kinds = [output.kind for output in builder.outputs]
     counts |= {
         "n_q": builder.n_q,
@@ -330,8 +333,7 @@ def _jacobian(builder, stepper, counts):
     }
 
     for name, rows in structure.tables.items():
-        for row in rows:
-            builder.tables[name].add(**row)
+        builder.tables[name].extend(rows)
 
     return structure
 

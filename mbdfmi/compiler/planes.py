@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..rotations import Rotation
-from ..vectors import dot
+from ..vectors import cross, dot, norm
 from .frames import IDENTITY, axes_with_z, compose
 from .topology import Node
 
@@ -43,7 +43,7 @@ def _planes_of_tree(tree):
     for node in tree.nodes[ground + 1 :]:
         r, A = node.joint_frame
         n, height = planes[node.parent]
-        across = np.linalg.norm(np.cross(A[:, 2], n))
+        across = norm(cross(A[:, 2], n))
         keeps = {"revolute": across < EXACT, "prismatic": abs(A[:, 2] @ n) < EXACT, "fixed": True}
 
         if normal is None or not keeps.get(node.kind, False):
@@ -75,7 +75,7 @@ def _stays(scene, tree, name, planes):
     for side in (0, 1):
         i, (r, A) = tree.joint_side(scene, name, side, axes_with_z(scene.joint[name].axis))
         n, height = planes[i]
-        across = np.linalg.norm(np.cross(A[:, 2], n))
+        across = norm(cross(A[:, 2], n))
         ends.append((A[:, 2] @ n, across, height + n @ r, np.abs(r).max()))
 
     (along, across, height, size), (other, more, opposite, reach) = ends
