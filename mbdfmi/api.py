@@ -163,6 +163,14 @@ class Scene(_scene.SceneData):
 
         return equilibria(self._whole(), **options)
 
+    def trim(self, find, keep=None, **options):
+        """Values of inputs, parameters and start values for which conditions hold; see
+        `mbdfmi.analysis.trim.trim`.
+        """
+        from .analysis.trim import trim
+
+        return trim(self._whole(), find, keep, **options)
+
     def compare_steppers(self, until, step=None, **options):
         """Error against cost of every stepper on this scene; see
         `mbdfmi.analysis.comparison.compare_steppers`.

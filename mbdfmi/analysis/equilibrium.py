@@ -9,9 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels.dynamics import rates
-from ..kernels.joints import N_V
-from ..kernels.motion import drives
 from ..scene.errors import listed
 from .manifold import Manifold, NoState
 
@@ -69,34 +66,12 @@ class Rest:
         return False if self.squares[0] < -tiny else None if self.squares[0] <= tiny else True
 
 
-def freeze(mechanism):
-    """Drives hold what they move where it is now, and nothing has speed."""
-    m, d = mechanism.m, mechanism.d
-    rates.set_time(m, d, 0.0)
-    drives.prescribe(m, d)
-    targets = [drives.target(m, d, k)[0] if m.drive_body[k] < 0 else 0.0 for k in range(m.n_drive)]
-
-    for k, position in enumerate(targets):
-        i = m.drive_body[k]
-
-        if i >= 0:
-            v = slice(m.body_v[i], m.body_v[i] + N_V[m.body_joint[i]])
-            d.v_rate[v] = 0.0
-            m.drive_body[k] = -1
-        elif m.drive_kind[k] < drives.GROUND_ACCELERATION:
-            m.drive_kind[k] = drives.POLYNOMIAL
-            m.drive_terms[k] = 1
-            m.drive_value[16 * k] = position
-
-    d.v[:] = 0.0
-
-
 def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
     """Brings a mechanism from where it is to a static equilibrium; the drives hold.
 
     stay : take the first that is found, stable or not. Raises NoEquilibrium.
     """
-    freeze(mechanism)
+    mechanism.freeze()
     manifold = Manifold(mechanism)
     left, count = 0, 0
 
@@ -126,7 +101,7 @@ def approach(mechanism, draw, far, downhill=True) -> tuple[Manifold, Rest]:
     draw : a generator of random numbers. far : rad, or lengths of the scene, that coordinates are drawn from.
     Raises NoEquilibrium.
     """
-    freeze(mechanism)
+    mechanism.freeze()
     manifold = Manifold(mechanism)
     search = _Search(manifold)
 

@@ -17,8 +17,8 @@ from ..compiler.frames import axes_with_z
 from ..compiler.joint_kinds import kind_of
 from ..compiler.model import compile_scene
 from ..kernels import joints
-from ..kernels.dynamics import projection, rows
-from ..kernels.motion import coordinates, kinematics
+from ..kernels.dynamics import projection, rates, rows
+from ..kernels.motion import coordinates, drives, kinematics
 from ..kernels.status import OK
 from ..run.instance import Instance
 
@@ -145,6 +145,7 @@ class Mechanism:
         self.scene = scene
         self.model = compile_scene(scene, first) if model is None else model
         self._ints = self.model.ints.copy()
+        self._held: np.ndarray | None = None
         self.instance = Instance(self.model, parameters, start_time, inputs)
         self.m, self.d = self.instance.m, self.instance.d
         m = self.m
@@ -187,6 +188,38 @@ class Mechanism:
         """The same scene at its start, with other values; its structure is not made anew."""
         model = replace(self.model, ints=self._ints.copy())
         return Mechanism(self.scene, (), parameters, inputs, start_time, model)
+
+    def freeze(self):
+        """Drives hold what they move where it is now, and nothing has speed."""
+        m, d = self.m, self.d
+        rates.set_time(m, d, 0.0)
+        drives.prescribe(m, d)
+        d.v[:] = 0.0
+
+        # they hold already
+        if self._held is not None:
+            return
+
+        self._held = m.drive_value.copy()
+
+        for k in range(m.n_drive):
+            i = m.drive_body[k]
+
+            if i >= 0:
+                d.v_rate[m.body_v[i] : m.body_v[i] + joints.N_V[m.body_joint[i]]] = 0.0
+                m.drive_body[k] = -1
+            else:
+                position = drives.target(m, d, k)[0]
+                m.drive_kind[k] = drives.POLYNOMIAL
+                m.drive_terms[k] = 1
+                m.drive_value[16 * k] = position
+
+    def thaw(self):
+        """Drives move again."""
+        if self._held is not None:
+            self.model.ints[:] = self._ints
+            self.m.drive_value[:] = self._held
+            self._held = None
 
     @property
     def inputs(self):

@@ -205,7 +205,9 @@ def observed(scene) -> SceneData:
     joints = {}
 
     for name, joint in scene.joint.items():
-        wanted = [*_coordinates(joint), *_efforts(joint), *_reactions(joint)]
+        rates = [coordinate.rate.name for coordinate in joint.coordinates]
+        rates = [rate for rate in rates if allowed(joint, rate)]
+        wanted = [*_coordinates(joint), *rates, *_efforts(joint), *_reactions(joint)]
         joints[name] = joint.model_copy(update={"output": list(dict.fromkeys([*joint.output, *wanted]))})
 
     return scene.model_copy(update={"joint": joints})
@@ -274,7 +276,8 @@ def _named_outputs(scene, model):
     added = set()
 
     for name, joint in scene.joint.items():
-        new = {*_coordinates(joint), *_efforts(joint), *_reactions(joint)} - set(joint.output)
+        rates = {coordinate.rate.name for coordinate in joint.coordinates}
+        new = {*_coordinates(joint), *rates, *_efforts(joint), *_reactions(joint)} - set(joint.output)
         added |= {dotted(name, output) for output in new}
 
     return [v for v in model.of_causality("output") if v.name.split("[")[0] not in added]
@@ -329,6 +332,14 @@ def started(scene, values, manifold, rest) -> SceneData:
             given |= {key: getattr(start, key) for key in _speeds(joint) if name in idle}
             joints[name] = joint.model_copy(update={"start": type(start).model_validate(given)})
 
+    forces = scene.force | _lengths(scene, manifold)
+    return scene.model_copy(update={"joint": scene.joint | joints, "force": forces})
+
+
+def _lengths(scene, manifold):
+    """Spring-dampers whose length at the start is that without force, with this told, as the start is
+    another.
+    """
     forces = {}
     struts = iter(manifold.d.strut_start.tolist())
 
@@ -343,7 +354,39 @@ def started(scene, values, manifold, rest) -> SceneData:
             spec.model_fields_set.add("rest_length")
             forces[name] = force.model_copy(update={"spring_damper": spec})
 
-    return scene.model_copy(update={"joint": scene.joint | joints, "force": scene.force | forces})
+    return forces
+
+
+def started_moving(scene, values, manifold) -> SceneData:
+    """The scene with a state as its start, positions and velocities; values : of all outputs of `observed` by
+    name.
+    """
+    tree = {node.joint for node in manifold.model.tree.nodes}
+    joints = {}
+
+    for name, joint in scene.joint.items():
+        start = getattr(joint, "start", None)
+
+        if start is None or joint.driver or (name not in tree and not joint.start_given):
+            continue
+
+        given = _start(name, joint, values, start)
+
+        if given is None:
+            continue
+
+        for coordinate in joint.coordinates:
+            rate = coordinate.rate
+            numbers = [values[dotted(name, rate.name) + ending] for ending in subscripts(rate.shape)]
+
+            if any(numbers) and rate.name in type(start).model_fields:
+                given[rate.name] = _plain(numbers)
+
+        joints[name] = joint.model_copy(update={"start": type(start).model_validate(given)})
+
+    return scene.model_copy(
+        update={"joint": scene.joint | joints, "force": scene.force | _lengths(scene, manifold)}
+    )
 
 
 def _speeds(joint):

@@ -3,9 +3,22 @@
 import argparse
 
 from .. import __version__
-from .commands import bench, check, couple, equilibrium, export, import_, info, inverse, modes, simulate, view
+from .commands import (
+    bench,
+    check,
+    couple,
+    equilibrium,
+    export,
+    import_,
+    info,
+    inverse,
+    modes,
+    simulate,
+    trim,
+    view,
+)
 
-COMMANDS = (export, simulate, view, inverse, equilibrium, modes, couple, info, check, bench, import_)
+COMMANDS = (export, simulate, view, inverse, equilibrium, trim, modes, couple, info, check, bench, import_)
 
 
 def parser() -> argparse.ArgumentParser:
