@@ -179,6 +179,24 @@ class Scene(_scene.SceneData):
 
         return compare_steppers(self._whole(), until, step, **options)
 
+    def equations(self, parameters=None, outputs=True, derivatives=False):
+        """x' = f(t, x, u, p) and y as equations with the scene's names, `text(form)` of which writes them in
+        C, numpy, sympy or casadi; see `mbdfmi.trace.equations.equations`.
+
+        parameters : names of those that stay free; an array without index stands for its elements.
+        """
+        from .run.inputs import known
+        from .run.instance import Instance
+        from .scene import variable_name
+        from .trace.equations import equations
+
+        model = self.compile()
+        names = [v.name for v in model.of_causality("parameter")]
+        free = parameters and [
+            part for name in parameters for part in known(variable_name(name), names, "parameter")
+        ]
+        return equations(Instance(model), free if parameters else parameters, outputs, derivatives)
+
     def structure(self):
         """Degrees of freedom, redundant equations, undetermined reactions; see
         `mbdfmi.analysis.structure.Structure`.

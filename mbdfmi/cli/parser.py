@@ -7,6 +7,7 @@ from .commands import (
     bench,
     check,
     couple,
+    equations,
     equilibrium,
     export,
     import_,
@@ -18,7 +19,21 @@ from .commands import (
     view,
 )
 
-COMMANDS = (export, simulate, view, inverse, equilibrium, trim, modes, couple, info, check, bench, import_)
+COMMANDS = (
+    export,
+    simulate,
+    view,
+    inverse,
+    equilibrium,
+    trim,
+    modes,
+    equations,
+    couple,
+    info,
+    check,
+    bench,
+    import_,
+)
 
 
 def parser() -> argparse.ArgumentParser:

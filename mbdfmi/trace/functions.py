@@ -64,7 +64,8 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
     reals = [by_name[name] for name in parameters]
     (now, _), x = places(model, "time"), places(model, "x")
     inputs = range(model.n_u)
-    tracer = Tracer(instance.m, instance.d, {"reals": set(reals), "state": {now, *x}, "u": set(inputs)})
+    given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs)}
+    tracer = Tracer(instance.m, instance.d, given, exact=False)
     graph = tracer.graph
 
     def leaves(buffer, found):

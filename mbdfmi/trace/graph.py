@@ -30,7 +30,7 @@ FUNCTIONS = ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor
 """Functions of mathematics that kernels call."""
 
 
-class Untraceable(Exception):
+class Untraceable(ValueError):
     """Something in a kernel that no straight line of operations can do; the text says what."""
 
 
@@ -76,9 +76,13 @@ _VALUES: dict[str, Callable] = {
 
 
 class Graph:
-    """Nodes in the order in which they were made: operands come first."""
+    """Nodes in the order in which they were made: operands come first.
 
-    def __init__(self):
+    exact : whether bits are kept; without, x (y / x) is y.
+    """
+
+    def __init__(self, exact: bool = True):
+        self.exact = exact
         self.nodes: list[Node] = []
         self.values: list = []
         self._known: dict = {}
@@ -228,6 +232,10 @@ class Graph:
 
         if self._is_negative(b):
             return self.negative(self.product(a, self.negative(b)))
+
+        for one, other in ((a, b), (b, a)):
+            if not self.exact and self.nodes[one].op == "/" and self.nodes[one].args[1] == other:
+                return self.nodes[one].args[0]
 
         return self.node("*", (min(a, b), max(a, b)), None, kind)
 

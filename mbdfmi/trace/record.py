@@ -155,13 +155,19 @@ class Tracer:
     """Runs kernels on the buffers of an instance, which it leaves as they are.
 
     given : buffer ("reals", "state", "work", "u") -> places that are symbols; all others are numbers.
-    zeros : likewise those that are taken for zero where they are, under a guard.
+    zeros : likewise those that are taken for zero where they are, under a guard. exact : whether the graph
+    keeps bits.
     """
 
     def __init__(
-        self, m, d, given: Mapping[str, Container[int]], zeros: Mapping[str, Container[int]] | None = None
+        self,
+        m,
+        d,
+        given: Mapping[str, Container[int]],
+        zeros: Mapping[str, Container[int]] | None = None,
+        exact: bool = True,
     ):
-        self.graph = Graph()
+        self.graph = Graph(exact)
         self.guards: dict[int, Guard] = {}
         self._paths: list[_Path] = []
         ints = m.ints_buffer.tolist()

@@ -7,10 +7,11 @@ called.
 from dataclasses import dataclass
 
 from ..kernels.language import APART
-from .c99 import Body, helpers
+from .c99 import C99, helpers
 from .places import GIVEN_WORK, KEPT_WORK, PREPARED, Everywhere, places_of, tunable
 from .plain import ROOM
 from .record import Guard, Tracer
+from .write import Body, Places
 
 GENERIC = "_generic"
 """What a library calls the generic kernel that a traced one stands for, behind its symbol."""
@@ -66,8 +67,11 @@ def _written_out(tracer, model, symbol, status, kept):
     stores += [("work", j, k) for j, k in tracer.written("work").items() if j in of_work]
     guards = list(tracer.guards.values())
     wanted = [k for _, _, k in stores] + [guard.node for guard in guards]
-    body = Body(graph, wanted, lambda about: f"{_ARRAYS[about[0]]}[{about[1]}]", _ARRAYS)
-    conditions = [body[g.node] if g.holds else f"!{body[g.node]}" for g in guards]
+    needed = graph.needed(wanted)
+    stored = {(buffer, j) for buffer, j, _ in stores}
+    first = [k for k in needed if graph.nodes[k].op == "leaf" and graph.nodes[k].about in stored]
+    body = Body(graph, wanted, C99, Places(_read, _looked_up, False), first)
+    conditions = [f"({body[g.node]})" if g.holds else f"!({body[g.node]})" for g in guards]
     lines = [*body.lines]
 
     if conditions:
@@ -77,9 +81,24 @@ def _written_out(tracer, model, symbol, status, kept):
     lines += [f"{_ARRAYS[buffer]}[{j}] = {body[k]};" for buffer, j, k in stores]
     lines += [f"*status = {status};", "return 0;"]
     inside = "\n".join(f"    {line}" if line else "" for line in lines)
-    parts = [helpers(body.helpers), f"{_head(symbol + GENERIC)};", f"{_head(symbol)};"]
+    parts = [*helpers(body.calls), f"{_head(symbol + GENERIC)};", f"{_head(symbol)};"]
     parts.append(f"{_head(symbol)}\n{{\n{_unused(inside)}{inside}\n}}")
-    return Traced(symbol, "\n\n".join(filter(None, parts)), len(body.lines), guards)
+    return Traced(symbol, "\n\n".join(parts), len(needed), guards)
+
+
+def _read(place):
+    """What stands at a place of a buffer."""
+    return f"{_ARRAYS[place[0]]}[{place[1]}]"
+
+
+def _looked_up(graph, node, operands):
+    """A number of a table, or where in a table one is searched."""
+    if node.op == "interval":
+        first, knots, at = node.about
+        return f"({at} + left_knot({_ARRAYS['reals']} + {first}, 0, {knots}, {operands[0]}))"
+
+    buffer, first, _ = node.about
+    return f"{_ARRAYS[buffer]}[{first} + {operands[0]}]"
 
 
 def _names():

@@ -1,0 +1,129 @@
+"""A graph written out in a language: statements for what is used more than once, the rest within them."""
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
+from typing import NamedTuple
+
+from .graph import Graph, Untraceable
+
+_COMPARES, _ADDS, _MULTIPLIES, _SIGNS, _ATOM = range(5)
+_INFIX = {"+": _ADDS, "-": _ADDS, "*": _MULTIPLIES, "/": _MULTIPLIES} | dict.fromkeys(
+    ("<", "<=", "==", "!="), _COMPARES
+)
+
+LONGEST = 60
+"""Letters of an expression that may stand within another one."""
+
+
+class Language(NamedTuple):
+    """How operations are written.
+
+    calls : operation -> name of the function; others are called as they are. number : a number, exactly.
+    select : what is one of two by a condition, with {0}, {1}, {2}. statement : of what is computed once,
+    with {kind}, {name}, {value}.
+    kinds : what {kind} is.
+    """
+
+    calls: dict[str, str]
+    number: Callable
+    select: str
+    statement: str
+    kinds: dict[str, str]
+
+
+class Places(NamedTuple):
+    """How what is given is read.
+
+    leaf : name of a leaf -> its text. look_up : (graph, node, texts of its operands) -> text of a number of
+    a table, or of where one is searched. named : whether leaves are names already, and need no other.
+    """
+
+    leaf: Callable[[object], str]
+    look_up: Callable
+    named: bool
+
+
+class Body:
+    """What some nodes need, as statements, in order.
+
+    first : nodes that are read before all else is done, being written over then. calls : what is called.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        wanted: Iterable[int],
+        language: Language,
+        places: Places,
+        first: Collection[int] = (),
+    ):
+        wanted = list(wanted)
+        self.graph = graph
+        self.language = language
+        self.places = places
+        self.lines: list[str] = []
+        self.calls: set[str] = set()
+        self._text: dict[int, tuple[str, int]] = {}
+        needed = graph.needed(wanted)
+        uses = Counter(a for k in needed for a in graph.nodes[k].args) + Counter(wanted)
+
+        for k in [*sorted(first), *needed]:
+            if k in self._text:
+                continue
+
+            text, order = self._expression(k)
+            alone = uses[k] == 1 and len(text) <= LONGEST and k not in first
+            plain = graph.nodes[k].op == "constant" or (graph.nodes[k].op == "leaf" and places.named)
+            self._text[k] = (text, order) if alone or plain else (self._stated(k, text), _ATOM)
+
+    def __getitem__(self, k: int) -> str:
+        """A node, as it is read where it stands alone."""
+        return self._text[k][0]
+
+    def _stated(self, k, text):
+        """The name of what a statement computes."""
+        name = f"t{len(self.lines) + 1}"
+        kind = self.language.kinds.get(self.graph.nodes[k].kind, "")
+        self.lines.append(self.language.statement.format(kind=kind, name=name, value=text))
+        return name
+
+    def _operand(self, k, least):
+        """An operand, in parentheses where it binds weaker than `least`."""
+        text, order = self._text[k]
+        return text if order >= least else f"({text})"
+
+    def _expression(self, k):
+        """(text, how strongly it binds) of an operation on its operands."""
+        node = self.graph.nodes[k]
+        op, args = node.op, node.args
+
+        if op == "constant":
+            text = self.language.number(self.graph.values[k])
+            return text, _SIGNS if text.startswith("-") else _ATOM
+
+        if op == "leaf":
+            return self.places.leaf(node.about), _ATOM
+
+        if op in _INFIX:
+            order = _INFIX[op]
+            return f"{self._operand(args[0], order)} {op} {self._operand(args[1], order + 1)}", order
+
+        if op == "neg":
+            return f"-{self._operand(args[0], _ATOM)}", _SIGNS
+
+        texts = [self._text[a][0] for a in args]
+
+        if op == "select":
+            return self.language.select.format(*texts), _ATOM
+
+        if op in ("load", "interval"):
+            self.calls.add(op)
+            return self.places.look_up(self.graph, node, texts), _ATOM
+
+        name = self.language.calls.get(op, op)
+
+        if not name:
+            raise Untraceable(f"{op} cannot be written so")
+
+        self.calls.add(name)
+        return f"{name}({', '.join(texts)})", _ATOM
