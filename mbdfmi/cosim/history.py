@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .network import Network
+
 FIRST = 1024
 
 
@@ -12,45 +14,46 @@ class History:
     to a row as they were given; now (n, n_u), what the links make of the outputs there.
     """
 
-    def __init__(self, n_y: int, n_u: int, rows: int = FIRST):
-        self.n = 0
-        self._time = np.empty(rows)
-        self._y, self._now, self._end = np.empty((rows, n_y)), np.empty((rows, n_u)), np.empty((rows, n_u))
+    def __init__(self, net: Network, rows: int = FIRST):
+        self.net, self.n = net, 0
+        self._time: list[float] = []
+        self._y, self._end = np.empty((rows, net.n_y)), np.empty((0, net.n_u))
 
-    def add(self, time: float, y: np.ndarray, now: np.ndarray, end: np.ndarray):
-        """A row."""
+    def add(self, time: float, y: np.ndarray, end: np.ndarray | None):
+        """A row; end : None where inputs were held since the row before."""
         n = self.n
-        if n == len(self._time):
-            self._grow()
-        self._time[n] = time
+        if n == len(self._y):
+            self._y = _larger(self._y, n)
         self._y[n] = y
-        self._now[n] = now
-        self._end[n] = end
+        if end is not None:
+            if n >= len(self._end):
+                self._end = _larger(self._end, len(self._y) - len(self._end))
+            self._end[n] = end
+        self._time.append(time)
         self.n = n + 1
-
-    def _grow(self):
-        for name in ("_time", "_y", "_now", "_end"):
-            old = getattr(self, name)
-            new = np.empty((2 * len(old), *old.shape[1:]))
-            new[: self.n] = old[: self.n]
-            setattr(self, name, new)
 
     @property
     def time(self) -> np.ndarray:
         """s."""
-        return self._time[: self.n]
+        return np.array(self._time)
 
     @property
     def y(self) -> np.ndarray:
         """Values read."""
         return self._y[: self.n]
 
-    @property
-    def now(self) -> np.ndarray:
-        """Inputs, of the outputs at each row."""
-        return self._now[: self.n]
+    def now(self, first: int = 0) -> np.ndarray:
+        """Inputs, of the outputs at each row from the first on."""
+        return (self.net.G @ self.y[first:].T).T + self.net.b
 
-    @property
-    def end(self) -> np.ndarray:
-        """Inputs that the step before each row ended with."""
-        return self._end[: self.n]
+    def end(self, first: int = 0) -> np.ndarray:
+        """Inputs that the step before each row ended with; in the first row those of the start."""
+        if len(self._end):
+            return self._end[first : self.n]
+        now = self.now(max(first - 1, 0))
+        return now[:-1] if first else np.concatenate([now[:1], now[:-1]])
+
+
+def _larger(rows, more):
+    """The same rows with more behind them."""
+    return np.concatenate([rows, np.empty((max(more, 1), rows.shape[1]))])

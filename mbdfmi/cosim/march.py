@@ -40,12 +40,20 @@ class March:
         self._past: list[tuple[float, np.ndarray]] = []
         smooth = np.zeros(rig.net.n_y, bool)
         for name in plan.predicts:
-            for blocks in (rig.net.read,):
-                smooth[blocks[name].slice] = True
+            smooth[rig.net.read[name].slice] = True
         self._smooth = smooth.astype(float)
         self._predicts = bool(plan.predicts) and self.order > 0
         self._ports = rig.ports if self._needs_all() else [rig.by_name[n] for n in plan.rolling]
         rig.keeps_all = self._needs_all()
+        # what is recorded besides is read when the step is accepted; stages that do not repeat it read it at once
+        self.holds = len(self.stages) == 1 and self.stages[0].holds
+        self._remembers = self.order > 0 or self.control is not None
+        self._looks_back = bool(self._ports) or self._remembers
+        # a parabola needs two points before: until they are there steps are repeated, where all FMUs can
+        explicit = self.order == 2 and not plan.rolling and all(port.rolls for port in rig.ports)
+        self._starter = Iterated(rig, rig.ports, min(master.tolerance, 1e-6), 20) if explicit else None
+        repeated = [*self.stages, *([self._starter] if self._starter else [])]
+        self._more = [(p, p.get_all) for s in repeated if isinstance(s, Repeated) for p in s.ports if p.keeps]
         self._others = [(port, port.others) for port in rig.ports if port.others]
 
     def _needs_all(self):
@@ -178,12 +186,17 @@ class March:
         rig.time = time
         if self._ports:
             rig.keep(self._ports)
-        rig.old[:] = rig.y
+        if self._looks_back:
+            rig.old[:] = rig.y
         if self._predicts and self._past:
             self._predict(H)
         square = self._square if self.order == 2 and self._past else None
         if rig.transfers:
             rig.exchange()
+        if self._starter and len(self._past) < 2:
+            rig.keep(rig.ports)
+            self._starter.advance(time, H, square)
+            return
         for stage in self.stages:
             stage.advance(time, H, square)
 
@@ -212,17 +225,17 @@ class March:
     def _accept(self, time, H):
         rig = self.rig
         rig.time = time
-        for port in rig.ports:
-            if status := port.get_all():
+        for port, get in self._more:
+            if status := get():
                 port.check(status, "reading its outputs")
         for port, others in self._others:
             port.check(others.get(), "reading its outputs")
 
-        if self.order or self.control is not None:
+        if self._remembers:
             self._past = [(H, rig.old.copy()), *self._past[:1]]
             rig.prev[:] = rig.now
-        rig.now[:] = rig.wanted()
-        self.history.add(time, rig.y, rig.now, rig.end)
+        rig.renew()
+        self.history.add(time, rig.y, None if self.holds else rig.end)
         if self.after:
             self.after()
         self.watch.look(time)

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
+from .errors import Discarded
 from .rig import Port, Rig
 
 
 class Stage:
     """FMUs that advance together; others before and after them know only the outcome.
 
-    prepare : before each attempt; advance : from a time over a step of H (s), inputs at its end in `rig.end`, outputs in
-    `rig.y`. words : what it does.
+    holds : whether inputs stay over the step what they are at its start.
     """
 
-    words = ""
+    holds = False
 
     def __init__(self, rig: Rig, ports: Sequence[Port]):
         self.rig, self.ports = rig, list(ports)
 
     def advance(self, time: float, H: float, square):
-        """A step; square : function of (H) that gives the coefficients of time squared, or None."""
+        """From a time over a step of H (s); inputs at its end are in `rig.end` then, outputs in `rig.y`.
+
+        square : function of (H) that gives the coefficients of time squared, or None.
+        """
         raise NotImplementedError
 
 
@@ -42,25 +46,29 @@ class Jacobi(Stage):
                 port.check(status, "setting its inputs")
         for port in self.ports:
             port.advance(time, H)
-            if status := port.get():
+            if status := port.get_all():
                 port.check(status, "reading its outputs")
 
 
 class Held(Stage):
     """All at once, with what they have at the start of the step."""
 
+    holds = True
+
     def __init__(self, rig, ports):
         super().__init__(rig, ports)
-        self._calls = [(port, port.set_now, port.step, port.get) for port in self.ports]
+        self._sets = [(port, port.set_now) for port in self.ports if port.n_u]
+        self._steps = [(port, port.step, port.get_all) for port in self.ports]
 
     def advance(self, time, H, square):
-        rig = self.rig
-        rig.end[:] = rig.now
-        for port, set_now, _, _ in self._calls:
+        for port, set_now in self._sets:
             if status := set_now():
                 port.check(status, "setting its inputs")
-        for port, _, _, get in self._calls:
-            port.advance(time, H)
+        for port, step, get in self._steps:
+            try:
+                step(time, H)
+            except Discarded as part:
+                port.partly(part, time + H)
             if status := get():
                 port.check(status, "reading its outputs")
 
@@ -75,14 +83,14 @@ class GaussSeidel(Stage):
             if status := port.feed(H, square(H) if square else None):
                 port.check(status, "setting its inputs")
             port.advance(time, H)
-            if status := port.get():
+            if status := port.get_all():
                 port.check(status, "reading its outputs")
 
 
 class Repeated(Stage):
     """Steps repeated until the inputs at the end are those that the outputs at the end make.
 
-    missed : steps that did not converge, and by how much at the worst. passes : of all steps.
+    missed : by how much steps missed that did not converge. passes : of all steps. easy : whether the last step took one.
     """
 
     def __init__(self, rig, ports, tolerance, iterations):
@@ -107,8 +115,8 @@ class Repeated(Stage):
         self.peak = np.maximum([net.feeds[row].entry.nominal for row in self.rows], 1e-300)
         self.missed: list[float] = []
         self.passes = 0
-        self._last: np.ndarray | None = None
-        self._changes: list[np.ndarray] = []
+        self.easy = False
+        self._points: list[np.ndarray] = []
         self._guesses: list[np.ndarray] = []
 
     def wanted(self):
@@ -130,19 +138,18 @@ class Repeated(Stage):
                 rig.ends(port)
 
         now = rig.now[rows]
-        guesses = [rig.end[rows].copy()]
-        if self._last is not None:
-            self._changes = [now - self._last, *self._changes[:3]]
-            guesses += [now + change for change in _continued(self._changes, self.peak)]
+        self._points = [now, *self._points[:4]]
+        if self.easy and not self._guesses:
+            return
 
-        missed = (
-            [float(np.sum(((guess - now) / self.peak) ** 2)) for guess in self._guesses]
-            if self._guesses
-            else []
-        )
-        self._last, self._guesses = now, guesses
-        if len(missed) == len(guesses):
-            rig.end[rows] = guesses[int(np.argmin(missed))]
+        guesses = [rig.end[rows].copy()]
+        changes = [a - b for a, b in itertools.pairwise(self._points)]
+        guesses += [now + change for change in _continued(changes, self.peak)]
+        missed = [float(np.sum(((guess - now) / self.peak) ** 2)) for guess in self._guesses]
+        best = int(np.argmin(missed)) if len(missed) == len(guesses) else 0
+        rig.end[rows] = guesses[best]
+        # where the polynomial will do, the rest is not asked for
+        self._guesses = [] if self.easy and best == 0 else guesses
 
     def sweep(self, time, H, square, first):
         """All FMUs over the step with the inputs in `rig.end`."""
@@ -160,6 +167,7 @@ class Repeated(Stage):
 
     def miss(self, worst):
         """Remembers a step that did not converge."""
+        self.easy = False
         self.missed.append(worst * self.tolerance)
 
 
@@ -232,6 +240,7 @@ class Iterated(Repeated):
             r = (f - rig.end[self.rows])[back]
             worst = float(np.max(np.abs(r) / self.scale(f)[back], initial=0.0))
             if not worst > 1.0:
+                self.easy = k == 0
                 return
             if k == self.iterations - 1:
                 break
@@ -279,10 +288,11 @@ class Newton(Repeated):
             self.sweep(time, H, square, k == 0)
             if last and self.S:
                 self._learn(last)
-            u, f = rig.end[self.rows].copy(), self.wanted()
+            u, f = rig.end[self.rows], self.wanted()
             r = f - u
-            worst = float(np.max(np.abs(r) / self.scale(f), initial=0.0))
+            worst = float((np.abs(r) / self.scale(f)).max())
             if not worst > 1.0:
+                self.easy = k == 0
                 return
             if not np.all(np.isfinite(r)) or k == self.iterations - 1:
                 break

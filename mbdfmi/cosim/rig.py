@@ -65,6 +65,7 @@ class Port:
         else:
             self.get_all = Channel(slave, "Get", signals, base + 8 * read.first).move
 
+        self.keeps = kept.n > 0
         self.held = np.zeros(fed.n)
         self.set: Callable[[], int] = _nothing
         self.set_now = self.set_derivatives = self.set
@@ -112,11 +113,14 @@ class Port:
         try:
             self.step(time, H)
         except Discarded as part:
-            if self.rig.keeps_all:
-                raise
-            self._in_parts(part.time, time + H)
+            self.partly(part, time + H)
 
-    def _in_parts(self, time, end):
+    def partly(self, part: Discarded, end: float):
+        """The rest of a step that was done in part; raises Discarded where all can go back."""
+        if self.rig.keeps_all:
+            raise part
+
+        time = part.time
         for _ in range(SUBSTEPS):
             try:
                 self.step(time, end - time)
@@ -214,6 +218,7 @@ class Rig:
         self.now, self.end, self.prev = (np.zeros(net.n_u) for _ in range(3))
         self.time = 0.0
         self.keeps_all = False
+        self._shifted = True
         self.by_name = {name: Port(self, m, _slave(m)) for name, m in net.members.items()}
         self.ports = list(self.by_name.values())
         self.transfers: dict[str, _Transfer] = {}
@@ -272,7 +277,8 @@ class Rig:
             port.slave.begin()
         self.fetch()
         self.exchange()
-        self.now[:] = self.wanted()
+        self._shifted = bool(np.any(self.net.b))
+        self.renew()
 
     def close(self, well: bool):
         """Ends all instances."""
@@ -287,11 +293,21 @@ class Rig:
             np.dot(self._G[port], self.y, out=port.end)
         else:
             port.end[:] = self._G[port] @ self.y
-        port.end += self.net.b[port.rows]
+        if self._shifted:
+            port.end += self.net.b[port.rows]
 
     def wanted(self) -> np.ndarray:
         """What the links make of the outputs that are known: u (n_u,)."""
         return self.net.G @ self.y + self.net.b
+
+    def renew(self):
+        """Inputs at the start of the next step, of the outputs that are known."""
+        if self.net.is_dense:
+            np.dot(self.net.G, self.y, out=self.now)
+        else:
+            self.now[:] = self.net.G @ self.y
+        if self._shifted:
+            self.now += self.net.b
 
     def fetch(self):
         """Reads all outputs. Raises CouplingError."""

@@ -3,10 +3,11 @@
 import os
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, model_validator
 
-from ..scene.errors import show
+from ..scene.errors import SceneError, show
 from ..scene.fields import Boolean, Number, OneOf, Part, Positive, given
+from ..scene.messages import problems_of
 from ..scene.names import Name, Title
 
 METHODS = ("auto", "jacobi", "gauss-seidel", "iterate", "newton")
@@ -243,6 +244,16 @@ class SystemData(Part):
         if not self.fmu:
             raise ValueError("needs at least one FMU, [fmu.NAME]")
         return self
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _check_whole(cls, data, handler):
+        if isinstance(data, cls):
+            return data
+        try:
+            return handler(data)
+        except ValidationError as error:
+            raise SceneError(problems_of(error, cls, data)) from None
 
     def tables(self):
         """What was given, as plain tables."""

@@ -13,6 +13,11 @@ ITERATIONS = 50
 TOLERANCE = 1e-9
 """Of a circle of links, relative to the values, or to the largest change of it that a pass makes."""
 
+SINGULAR = 1e-9
+"""Singular value, relative to the gain, below which a circle has no solution, or none of its own: differences have no more
+digits.
+"""
+
 SMALLEST = 2.0**-10
 """Part of a Newton step that is tried at the least."""
 
@@ -131,11 +136,11 @@ class _Loop:
 
     def _newton_step(self, u, f, r):
         J = self._jacobian(u, f)
-        try:
-            step = np.linalg.solve(np.eye(len(u)) - J, r)
-        except np.linalg.LinAlgError:
+        A = np.eye(len(u)) - J
+        if not np.all(np.isfinite(A)):
             return None
-        return step if np.all(np.isfinite(step)) else None
+        least = np.linalg.svd(A, compute_uv=False)[-1]
+        return np.linalg.solve(A, r) if least > SINGULAR * (1.0 + np.abs(J).max()) else None
 
     def _damped(self, u, f, r, step):
         """(u, f, whether it is better) after as much of a step as makes the links miss each other by less."""

@@ -163,7 +163,7 @@ class _Simulation:
         system, net = self.system, self.net
         times, steps = communication_points(start, until, step)
         self.rig = rig = Rig(net, {name: through(net, name) for name in net.names})
-        self.history = History(net.n_y, net.n_u, min(len(times), MOST_ROWS))
+        self.history = History(net, min(len(times), MOST_ROWS))
         watch = Watch(rig, self.history, system.master.limit)
         self.recorder = Recorder(self.members[view].model) if view else None
         well, begun = False, False
@@ -173,7 +173,7 @@ class _Simulation:
             initialise(rig)
             rig.begin()
             march = self._march(watch, steps[0])
-            self.history.add(start, rig.y, rig.now, rig.now)
+            self.history.add(start, rig.y, None if march.holds else rig.now)
             self._look(rig, view, march)
             begun = True
             if system.master.error is None:

@@ -56,16 +56,21 @@ class Watch:
         raise CouplingError(f"the run diverges: {feed.text if feed else row} {what} at {time:.9g} s{ADVICE}")
 
     def _growth(self, time):
-        rows = slice(self.history.n - CHUNK, self.history.n)
-        now, end = self.history.now[rows], self.history.end[rows]
-        peak = np.max(np.abs(now), axis=0)
+        first_row = self.history.n - CHUNK
+        now = self.history.now(first_row)
+        peak = np.abs(now).max(axis=0)
         self._peaks = [*self._peaks[-2:], peak]
         if len(self._peaks) < 3:
             return
+
         first, second, third = self._peaks
-        jumps = np.median(np.abs(now - end), axis=0)
-        grows = (second > GROWTH * first) & (third > GROWTH * second) & (jumps > JUMP * third) & (first > 0)
-        if np.any(grows):
+        grows = (third > GROWTH * second) & (second > GROWTH * first) & (first > 0)
+        if not grows.any():
+            return
+
+        jumps = np.median(np.abs(now - self.history.end(first_row)), axis=0)
+        grows &= jumps > JUMP * third
+        if grows.any():
             row = int(np.argmax(grows))
             feed = self.rig.net.feeds[row]
             raise CouplingError(
@@ -196,15 +201,16 @@ def _sides(net, feed, history):
     into = feed.entry.unit.factor if feed.entry.unit else 1.0
     out = term.output.unit.factor if term.output.unit else 1.0
     factor = term.factor * into / out
-    return into * history.now[:, row], into * history.end[:, row], out * history.y[:, column], factor
+    return into * history.now()[:, row], into * history.end()[:, row], out * history.y[:, column], factor
 
 
 def jumps(net: Network, history: History) -> dict[str, float]:
     """Largest jump of each input at a communication point, relative to the range of its values: what a step did not know."""
     if history.n < 2:
         return {}
-    missed = np.max(np.abs(history.now - history.end)[1:], axis=0)
-    spread = np.ptp(history.now, axis=0)
+    now = history.now()
+    missed = np.max(np.abs(now - history.end())[1:], axis=0)
+    spread = np.ptp(now, axis=0)
     return {
         feed.text: float(missed[row] / spread[row]) if spread[row] > 0 else 0.0
         for row, feed in enumerate(net.feeds)
