@@ -35,12 +35,15 @@ class Term:
 
 @dataclass(frozen=True, eq=False)
 class Feed:
-    """A scalar input and what it is fed with. notes : what was converted or not compared."""
+    """A scalar input and what it is fed with. own_offset : that of the link, without those of units. notes : what was converted
+    or not compared.
+    """
 
     taker: str
     entry: Signal
     terms: tuple[Term, ...]
     offset: float
+    own_offset: float
     table: Link
     notes: tuple[str, ...] = ()
 
@@ -241,7 +244,7 @@ def _feeds(link: Link, members) -> Iterable[Feed]:
 
 def _feed(link, taker, entry, pairs, offset):
     """What one scalar input gets. Raises CouplingError."""
-    terms, notes = [], []
+    terms, notes, own = [], [], offset
 
     for (giver, output), factor in zip(pairs, link.factors):
         source, target = f"{giver.name}.{output.name}", f"{taker.name}.{entry.name}"
@@ -258,7 +261,7 @@ def _feed(link, taker, entry, pairs, offset):
         terms.append(Term(giver.name, output, factor * scale))
         offset += factor * shift
 
-    return Feed(taker.name, entry, tuple(terms), offset, link, tuple(notes))
+    return Feed(taker.name, entry, tuple(terms), offset, own, link, tuple(notes))
 
 
 def _converted(source, output, target, entry):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -67,6 +68,8 @@ class System(SystemData, metaclass=_SystemType):
     """
 
     _file: Path | None = PrivateAttr(None)
+    # of the FMUs of a package, which lives as long as the system
+    _folder: Any = PrivateAttr(None)
 
     def _read(self, stack: ExitStack) -> tuple[dict[str, Member], Network]:
         """Descriptions read and links resolved. Raises CouplingError."""
@@ -88,6 +91,17 @@ class System(SystemData, metaclass=_SystemType):
         with ExitStack() as stack:
             members, net = self._read(stack)
             return told(self, members, net)
+
+    def write_ssp(self, path: str | os.PathLike) -> Path:
+        """Write the system, with its FMUs, as a package of SSP 1.0 (.ssp). Returns the path.
+
+        Raises CouplingError for what SSP cannot say (sums of sources, elements of arrays of FMI 3.0), OSError.
+        """
+        from .ssp_writer import write_ssp
+
+        with ExitStack() as stack:
+            members, net = self._read(stack)
+            return write_ssp(self, members, net, Path(path))
 
     def simulate(
         self,
@@ -126,13 +140,31 @@ class System(SystemData, metaclass=_SystemType):
 
 
 def load_system(path: str | os.PathLike) -> System:
-    """A system of a TOML file. Raises CouplingError with the file's name and all that is wrong in it."""
+    """A system of a TOML file, or of a package of SSP 1.0 (.ssp). Raises CouplingError with the file's name and all that is
+    wrong in it.
+    """
     path = Path(path)
+    if path.suffix.lower() == ".ssp":
+        return _of_package(path)
     try:
         system = parse_scene(read_bytes(path), os.fspath(path), System)
     except SceneError as error:
         raise _told(error, path) from None
     system._file = path
+    return system
+
+
+def _of_package(path):
+    """The system of a package of SSP."""
+    from .ssp_reader import read_ssp
+
+    folder = tempfile.TemporaryDirectory(prefix="mbdfmi-", ignore_cleanup_errors=True)
+    tables = read_ssp(path, Path(folder.name))
+    try:
+        system = System.model_validate(tables)
+    except SceneError as error:
+        raise _told(error, path) from None
+    system._file, system._folder = path, folder
     return system
 
 

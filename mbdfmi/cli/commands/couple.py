@@ -1,7 +1,7 @@
 """mbdfmi couple: FMUs and scenes that run together."""
 
 from ..arguments import add_command, add_result_files
-from ..paths import result_files, view_file
+from ..paths import result_files, view_file, writable
 from ..show_results import show
 from ..terminal import compile_first, note, out, time_bar
 
@@ -14,15 +14,16 @@ def add(commands):
         "couple",
         "run FMUs and scenes together",
         """SYSTEM is a file (TOML) that names FMUs of any maker (FMI 2.0 and 3.0,
-co-simulation) and scenes, and links outputs to inputs; docs/coupling.md tells how it is
-written. Without --csv, --plot and --view a summary is printed.""",
+co-simulation) and scenes, and links outputs to inputs, or a package of SSP 1.0 (.ssp);
+docs/coupling.md tells how it is written. Without --csv, --plot and --view a summary is printed.""",
         """examples:
   mbdfmi couple crane.toml --check
   mbdfmi couple crane.toml --until 10 --step 0.01 --csv run.csv --plot run.png
   mbdfmi couple crane.toml --method newton --error 1e-4
-  mbdfmi couple crane.toml --view run.html""",
+  mbdfmi couple crane.toml --view run.html
+  mbdfmi couple crane.toml --ssp crane.ssp""",
     )
-    command.add_argument("system", metavar="SYSTEM", help="the coupled system (TOML)")
+    command.add_argument("system", metavar="SYSTEM", help="the coupled system (.toml, .ssp)")
     command.add_argument(
         "--until", type=float, metavar="T", help="end of the run, s (default: as the file says)"
     )
@@ -38,6 +39,9 @@ written. Without --csv, --plot and --view a summary is printed.""",
     )
     command.add_argument(
         "--error", type=float, metavar="E", help="choose macro steps, for this relative error"
+    )
+    command.add_argument(
+        "--ssp", metavar="FILE", help="write the system as a package of SSP, and run nothing"
     )
     add_result_files(command, "what is recorded")
     command.add_argument(
@@ -64,6 +68,10 @@ def run(options):
 
     if options.check:
         out.print(system.check(), soft_wrap=True)
+        return
+
+    if options.ssp:
+        out.print(str(system.write_ssp(writable(options.ssp, [options.system]))), soft_wrap=True)
         return
 
     until = system.run.stop if options.until is None else options.until
