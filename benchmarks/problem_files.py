@@ -72,8 +72,10 @@ def scene_of(data: dict, body_output=(), **extra) -> dict:
         spring = {"stiffness": force["k"], "damping": force["c"], "rest_length": force["l0"]}
         forces[f"spring {k + 1}"] = {"spring_damper": spring, "between": ends}
 
+    jointed = {joint[side] for joint in data["joints"] for side in ("body_i", "body_j")}
+
     for name, body in bodies.items():
-        if name != "ground" and not body.markers:
+        if name != "ground" and name not in jointed:
             joints[f"free {name}"] = {
                 "free": {},
                 "between": ["ground", name],

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .problem_files import pose_of, problem_file, scene_of
+from .reference.derive import HOLD, arm_torques
 
 # of each body at each time: position (m), Euler parameters (scalar LAST), velocity (m/s), angular velocity
 # (rad/s)
@@ -83,6 +84,7 @@ class Problem:
     until : s, the last reference time, or None.
     change : data -> changes to the file's data that leave the compared motion as it is, or None.
     scene : data -> our scene where the file's words do not tell it, or None.
+    inputs : data -> (s that they are held for, their values (n, n_u)) of our scene, or None.
     sharper : factor of the tolerances, where the motion makes errors grow.
     quick : whether `--quick` has it.
     """
@@ -94,6 +96,7 @@ class Problem:
     until: float | None = None
     change: Callable[[dict], dict] | None = None
     scene: Callable[[dict], dict] | None = None
+    inputs: Callable[[dict], tuple[float, np.ndarray]] | None = None
     sharper: float = 1.0
     quick: bool = False
 
@@ -322,6 +325,52 @@ def _bead_scene(data):
     }
 
 
+def _lift(motion):
+    """Of the shoe, and the height of the uppermost bar's middle."""
+    top = motion.data["bodies"][-2]["name"]
+    found = {"shoe_x": motion.position("shoe")[0], "shoe_vx": motion.velocity("shoe")[0]}
+    return found | {"top_y": motion.position(top)[1]}
+
+
+def _net(motion):
+    n = round(len(motion.bodies) ** 0.5)
+    middle, corner = f"ball{n * (n // 2) + n // 2 + 1}", f"ball{n}"
+    found = {"middle_z": motion.position(middle)[2], "middle_vz": motion.velocity(middle)[2]}
+    return found | dict(zip(("corner_y", "corner_z"), motion.position(corner)[1:]))
+
+
+def _bars(n):
+    """Angles from the lowest position, and their rates, of n bars in a row."""
+
+    def observe(motion):
+        found = {f"theta{k}": motion.angle(f"bar{k}") + np.pi / 2 for k in range(1, n + 1)}
+        return found | {f"theta{k}d": motion.omega(f"bar{k}")[2] for k in range(1, n + 1)}
+
+    return observe
+
+
+def _arm_scene(data):
+    """Torques at both joints as inputs."""
+    tables = scene_of(data, BODY_OUTPUT)
+    tables["joint"] = {name: joint | {"input": "torque"} for name, joint in tables["joint"].items()}
+    return tables
+
+
+def _held_torques(data):
+    """Of the arm, up to the last reference time."""
+    return float(HOLD), arm_torques(round(data["t"][-1] / float(HOLD)))
+
+
+def _stop_scene(data):
+    """The joint's angle counts from where the bar starts."""
+    tables = scene_of(data, BODY_OUTPUT)
+    (joint,) = tables["joint"].values()
+    A = pose_of(data["bodies"][0])[1]
+    start = np.arctan2(A[1, 0], A[0, 0]) + np.pi / 2
+    joint["stop"] = {"upper": data["stop"]["upper"] - start, "stiffness": data["stop"]["stiffness"]}
+    return tables
+
+
 PROBLEMS = (
     Problem("double_pendulum_bars", "double pendulum, 5 s", _chain(2, True, False), 0.02, 5.0, quick=True),
     Problem("chain_bars_N7", "chain of 7 bars, 5 s", _chain(7), 0.02, quick=True),
@@ -347,4 +396,9 @@ PROBLEMS = (
     Problem("A05_flyball_governor", "A05: stiff flyball governor, 10 s", _governor, 0.01),
     Problem("rolling_disk_thin", "rolling disk, 10 s", _disk, 0.02, scene=_disk_scene),
     Problem("bead_on_parabola", "bead on a parabola, 10 s", _bead, 0.02, scene=_bead_scene),
+    Problem("scissor_lift_100", "scissor lift of 100 cells, 2 s", _lift, 0.01),
+    Problem("spring_net_12", "net of 144 balls, 1 s", _net, 0.004),
+    Problem("arm_held_torques", "arm, other torques every 2 ms, 5 s", _bars(2), 0.002, scene=_arm_scene,
+            inputs=_held_torques),
+    Problem("bar_on_a_stop", "bar on an elastic stop, 5 s", _bars(1), 0.005, scene=_stop_scene),
 )  # fmt: skip

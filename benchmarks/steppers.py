@@ -43,18 +43,22 @@ class Stepper:
         except SceneError as error:
             raise Cannot(str(error).splitlines()[0]) from None
 
-        return OurRun(scene, problem.times)
+        inputs = problem.inputs(problem.data) if problem.inputs else None
+        return OurRun(scene, problem.times, inputs)
 
 
 STEPPERS = tuple(Stepper(record.name, record.words, record.fixed) for record in steppers.STEPPERS.values())
 
 
 class OurRun:
-    """A scene and the times to stop at. The loop over these is compiled."""
+    """A scene and the times to stop at. The loop over these is compiled, but for one that sets inputs.
 
-    def __init__(self, scene: Scene, times: np.ndarray):
+    inputs : (s that each row is held for, rows (n, n_u)), or None.
+    """
+
+    def __init__(self, scene: Scene, times: np.ndarray, inputs: tuple[float, np.ndarray] | None = None):
         self.instance = Instance(compile_scene(scene))
-        self.times = times
+        self.times, self.inputs = times, inputs
         self.rows = np.zeros((len(times), self.instance.model.n_y))
 
         # over no times: the loop is compiled, or its compiled form found, before anything is timed
@@ -65,13 +69,33 @@ class OurRun:
         m, d = self.instance.m, self.instance.d
         failure = entry.initialise(m, d, 0.0)
         start = time.process_time()
-        failure = failure or follow(m, d, self.times, self.instance.y, self.rows)
+        failure = failure or (self._follow_inputs() if self.inputs else self._follow())
         seconds = time.process_time() - start
 
         if failure != OK:
             raise Cannot(explain(self.instance.model, failure))
 
         return seconds, self.rows.reshape(len(self.times), -1, MOTION_SIZE).copy()
+
+    def _follow(self):
+        return follow(self.instance.m, self.instance.d, self.times, self.instance.y, self.rows)
+
+    def _follow_inputs(self):
+        """A communication step for each row of inputs, from Python; outputs where a reference time is."""
+        m, d, (step, values) = self.instance.m, self.instance.d, self.inputs
+        u, row = self.instance.u[: values.shape[1]], 0
+
+        for k, value in enumerate(values, 1):
+            u[:] = value
+
+            if failure := entry.step(m, d, k * step - self.instance.time):
+                return failure
+
+            if k * step > self.times[row] - 0.5 * step:
+                entry.compute_outputs(m, d, self.rows[row])
+                row += 1
+
+        return OK
 
     @property
     def effort(self) -> dict[str, int]:

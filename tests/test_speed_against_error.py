@@ -41,10 +41,15 @@ def short(problem, n=2):
 # unstable axis
 REACHED = {"A02_n_four_bar_N2": 1e-8, "dzhanibekov_jacobi": 1e-8}
 
+# the tolerance below which steps would be as short as rounding asks for: positions of 60 m, whose last digit
+# changes accelerations by 1e-8
+TIGHT = {"scissor_lift_100": 1e-9}
+
 
 @problems
 def test_references_are_reproduced(problem, record_property):
-    tight = Setting("tight", {"tolerance": max(LEAST_TOLERANCE, 1e-13 * problem.sharper)}, 0)
+    tolerance = TIGHT.get(problem.name, max(LEAST_TOLERANCE, 1e-13 * problem.sharper))
+    tight = Setting("tight", {"tolerance": tolerance}, 0)
     _, table = stepper("rk853").prepare(problem, tight).run()
     error = problem.error(table)
     record_property("error", float(error))

@@ -1,4 +1,4 @@
-"""Makes the reference digits of `chain_bars_N7` and `four_bar`: `python -m benchmarks.reference.derive`.
+"""Makes the reference digits of problems of our own: `python -m benchmarks.reference.derive [NAME ...]`.
 
 Nothing of the kernels is used: Lagrange's equations in minimal coordinates, in extended precision (numpy's
 longdouble, 64 bits of mantissa on x86), by extrapolation of the modified midpoint rule (Hairer, Norsett,
@@ -6,6 +6,7 @@ Wanner, Solving ODEs I, section II.9). Two runs of different order and step tell
 """
 
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -218,6 +219,271 @@ def four_bar_file(start, times):
     }
 
 
+# a lift of uniform bars of 1 m and 1 kg, two a cell: mass (kg) of its shoe, stiffness (N/m) and length (m)
+# of its spring
+SHOE, PUSH, LOOSE = real("0.1"), real(10) ** 6, real("0.7")
+
+
+def lift_rate(cells):
+    """x' of x = (the bars' angle, its rate): M q'' + M' q'^2 / 2 + V' = 0."""
+    squares = sum((real(k) + real(1) / 2) ** 2 for k in range(cells))
+
+    def f(x):
+        c, s = np.cos(x[0]), np.sin(x[0])
+        M = cells * s**2 / 2 + 2 * squares * c**2 + real(cells) / 6 + SHOE * s**2
+        half_slope = s * c * (real(cells) / 2 - 2 * squares + SHOE)
+        pull = G * cells**2 * c - PUSH * (c - LOOSE) * s
+        return np.array([x[1], -(half_slope * x[1] ** 2 + pull) / M])
+
+    return f
+
+
+def lift_file(cells, start, times):
+    """The problem as a dict; start : the bars' angle, rad."""
+    f, x = lift_rate(cells), np.array([start, 0], real)
+    rows = solution(f, x, times, real(1) / 50, 14)
+    common = digits_of(rows, solution(f, x, times, real(1) / 80, 12))
+    c, s = float(np.cos(start)), float(np.sin(start))
+    bodies = [{"name": "shoe", "mass": float(SHOE), "inertia": [0.001] * 3 + [0, 0, 0], "r0": [c, 0, 0]}]
+    slide = {"type": "prismatic", "body_i": "ground", "body_j": "shoe", "point": [c, 0, 0], "axis": [1, 0, 0]}
+    joints = [slide]
+
+    for k in range(cells):
+        for name, angle in ((f"up{k}", float(start)), (f"down{k}", float(np.pi - start))):
+            turned = [float(np.cos(angle / 2)), 0, 0, float(np.sin(angle / 2))]
+            middle = [c / 2, (k + 0.5) * s, 0]
+            inertia = [0.001, 1 / 12, 1 / 12, 0, 0, 0]
+            bodies.append({"name": name, "mass": 1.0, "inertia": inertia, "r0": middle, "q0": turned})
+
+        left, right = (f"down{k - 1}", f"up{k - 1}") if k else ("ground", "shoe")
+        joints.append(revolute(f"up{k}", f"down{k}", [c / 2, (k + 0.5) * s, 0]))
+        joints.append(revolute(left, f"up{k}", [0, k * s, 0]))
+        joints.append(revolute(right, f"down{k}", [c, k * s, 0]))
+
+    ends = {"body_i": "ground", "point_i": [0, 0, 0], "body_j": "shoe", "point_j": [c, 0, 0]}
+    spring = {"type": "spring_damper", "k": float(PUSH), "c": 0.0, "l0": float(LOOSE)}
+    q, w = rows.T
+    shoe = [np.cos(q), -np.sin(q) * w]
+    return {
+        "id": f"scissor_lift_{cells}",
+        "title": f"Scissor lift of {cells} cells, {2 * cells - 1} loops in a row, on a spring",
+        "source": ["own definition; reference by derive.py"],
+        "how_obtained": "the bars' angle alone; extrapolation of order 14, H = 1/50 s, and of order 12, "
+        f"H = 1/80 s, in 64-bit mantissa, agree to {common} digits",
+        "digits": int(common),
+        "bodies": bodies,
+        "joints": joints,
+        "forces": [spring | ends],
+        "gravity": [0, -9.81, 0],
+        "initial_conditions": f"bars at {float(start):g} rad from x, at rest",
+        "quantities": ["t", "shoe_x", "shoe_vx", "top_y", "angle"],
+        "values": np.column_stack([times, *shoe, (cells - real(1) / 2) * np.sin(q), q])
+        .astype(float)
+        .tolist(),
+    }
+
+
+# a net of balls of 1 kg, 1 m apart: stiffness N/m, damping N s/m and length (m) of its springs
+STIFF, DAMPED, SHORT = 2000.0, 2.0, 0.9
+
+
+def net_springs(n):
+    """Pairs of balls, by rows of n, that springs join; and (ball, point of the ground (3,)) at two sides."""
+    at = np.arange(n * n).reshape(n, n)
+    pairs = [*zip(at[:-1].ravel(), at[1:].ravel()), *zip(at[:, :-1].ravel(), at[:, 1:].ravel())]
+    ties = [(at[0, k], (-1.0, float(k), 0.0)) for k in range(n)]
+    return pairs, ties + [(at[-1, k], (float(n), float(k), 0.0)) for k in range(n)]
+
+
+def net_file(n, times):
+    """The problem as a dict: balls in a plane, let go; forces through their centres do not turn them."""
+    pairs, ties = net_springs(n)
+    first = np.array([i for i, _ in pairs] + [i for i, _ in ties])
+    second = np.array([j for _, j in pairs])
+    points = np.array([point for _, point in ties], real)
+    place = np.stack(np.meshgrid(np.arange(n), np.arange(n), [0], indexing="ij"), -1).reshape(-1, 3)
+
+    def f(x):
+        r, v = x.reshape(2, -1, 3)
+        far = np.concatenate([r[second], points])
+        span = far - r[first]
+        rate = np.concatenate([v[second], np.zeros_like(points)]) - v[first]
+        length = np.sqrt((span**2).sum(1, keepdims=True))
+        along = span / length
+        pull = along * (STIFF * (length - real("0.9")) + DAMPED * (along * rate).sum(1, keepdims=True))
+        force = np.zeros_like(r)
+        force[:, 2] = -G
+        np.add.at(force, first, pull)
+        np.subtract.at(force, second, pull[: len(second)])
+        return np.concatenate([v.ravel(), force.ravel()])
+
+    x = np.concatenate([place.ravel(), np.zeros(place.size)]).astype(real)
+    rows = solution(f, x, times, real(1) / 250, 14)
+    common = digits_of(rows, solution(f, x, times, real(1) / 400, 12))
+    r, v = rows.reshape(len(times), 2, n * n, 3).transpose(1, 2, 3, 0)
+    middle, corner = n * (n // 2) + n // 2, n - 1
+    names = [f"ball{k + 1}" for k in range(n * n)]
+    spring = {"type": "spring_damper", "k": STIFF, "c": DAMPED, "l0": SHORT}
+    at = place.astype(float).tolist()
+    forces = [
+        spring | {"body_i": names[i], "point_i": at[i], "body_j": names[j], "point_j": at[j]}
+        for i, j in pairs
+    ]
+    forces += [
+        spring | {"body_i": names[i], "point_i": at[i], "body_j": "ground", "point_j": point}
+        for i, point in ties
+    ]
+    kept = (r[middle, 2], v[middle, 2], r[corner, 1], r[corner, 2])
+    return {
+        "id": f"spring_net_{n}",
+        "title": f"Net of {n} x {n} balls and {len(forces)} damped springs: {13 * n * n} states",
+        "source": ["own definition; reference by derive.py"],
+        "how_obtained": "Newton's equations of points; extrapolation of order 14, H = 1/250 s, and of order "
+        f"12, H = 1/400 s, in 64-bit mantissa, agree to {common} digits",
+        "digits": int(common),
+        "bodies": [
+            {"name": name, "mass": 1.0, "inertia": [0.01] * 3 + [0, 0, 0], "r0": r0}
+            for name, r0 in zip(names, at)
+        ],
+        "joints": [],
+        "forces": forces,
+        "gravity": [0, 0, -9.81],
+        "initial_conditions": "in a plane, 1 m apart, at rest; two sides tied to the ground",
+        "quantities": ["t", "middle_z", "middle_vz", "corner_y", "corner_z"],
+        "values": np.column_stack([times, *kept]).astype(float).tolist(),
+    }
+
+
+# torques (N m) of an arm at its joints, held over HOLD s each
+HOLD = real(1) / 500
+
+
+def arm_torques(n):
+    """(n, 2) N m at the times k HOLD, in double precision: what goes into an input."""
+    t = np.arange(n) * float(HOLD)
+    return np.column_stack([8 * np.sin(3 * t), 4 * np.cos(5 * t)])
+
+
+def arm_file(until):
+    """Two bars of 1 m and 1 kg as an arm, from straight down, by torques that change every 2 ms."""
+    f, x = chain(2, real(0))
+    torques = arm_torques(round(until / float(HOLD)))
+
+    def run(parts, order):
+        now, rows = x, []
+
+        for first, second in torques.astype(real):
+
+            def driven(x, first=first, second=second):
+                q, rate = x[:2], f(x)
+                c = np.cos(q[0] - q[1]) / 2
+                M = np.array([[real(4) / 3, c], [c, real(1) / 3]])
+                return rate + np.concatenate(
+                    [np.zeros(2, real), solved(M, np.array([first - second, second]))]
+                )
+
+            for _ in range(parts):
+                now = extrapolated(driven, now, HOLD / parts, order)
+
+            rows.append(now)
+
+        return np.array(rows)
+
+    every = round(1 / (4 * float(HOLD)))
+    rows = run(1, 10)[every - 1 :: every]
+    common = digits_of(rows, run(2, 8)[every - 1 :: every])
+    times = (np.arange(len(rows)) + 1) * every * HOLD
+    bodies = [
+        {"name": f"bar{k + 1}", "mass": 1.0, "inertia": [0.001, 1 / 12, 1 / 12, 0, 0, 0],
+         "r0": [0, -0.5 - k, 0], "q0": [float(np.sqrt(real(1) / 2)), 0, 0, -float(np.sqrt(real(1) / 2))]}
+        for k in range(2)
+    ]  # fmt: skip
+    names = ["t", "theta1", "theta2", "theta1d", "theta2d"]
+    return {
+        "id": "arm_held_torques",
+        "title": f"Two bars as an arm, driven by torques that change every {1e3 * float(HOLD):g} ms",
+        "source": ["own definition; reference by derive.py"],
+        "how_obtained": "Lagrange's equations, torques held over each 2 ms; extrapolation of order 10, H = 2 "
+        f"ms, and of order 8, H = 1 ms, in 64-bit mantissa, agree to {common} digits",
+        "digits": int(common),
+        "bodies": bodies,
+        "joints": [revolute("ground", "bar1", [0, 0, 0]), revolute("bar1", "bar2", [0, -1, 0])],
+        "forces": [],
+        "gravity": [0, -9.81, 0],
+        "initial_conditions": "straight down, at rest",
+        "quantities": names,
+        "values": np.column_stack([times, rows]).astype(float).tolist(),
+    }
+
+
+# a bar of 1 m and 1 kg that falls against a stop: angle (rad) from the lowest position, stiffness, N m/rad
+STOP, BUFFER = real("0.3"), real(20000)
+
+
+def struck_rate(beyond):
+    """x' of x = (angle, rate) of the bar before its stop, or beyond."""
+
+    def f(x):
+        push = BUFFER * (x[0] - STOP) if beyond else real(0)
+        return np.array([x[1], -(G / 2 * np.sin(x[0]) + push) * 3])
+
+    return f
+
+
+def struck(start, times, H, order):
+    """x at the times; each step ends where the bar meets or leaves the stop, which is found by bisection."""
+    x, t, rows, beyond = np.array([start, 0], real), real(0), [], False
+
+    for until in times:
+        while t < until:
+            f, step = struck_rate(beyond), min(H, until - t)
+            new = extrapolated(f, x, step, order)
+
+            if (new[0] > STOP) != beyond:
+                low, high = real(0), step
+
+                while high - low > real(10) ** -19:
+                    middle = (low + high) / 2
+                    inside = (extrapolated(f, x, middle, order)[0] > STOP) == beyond
+                    low, high = (middle, high) if inside else (low, middle)
+
+                new, step, beyond = extrapolated(f, x, high, order), high, not beyond
+                new[0] = STOP
+
+            x, t = new, until if step == until - t else t + step
+
+        rows.append(x)
+
+    return np.array(rows)
+
+
+def struck_file(start, times):
+    """The problem as a dict; start : rad."""
+    rows = struck(start, times, real(1) / 1500, 10)
+    common = digits_of(rows, struck(start, times, real(1) / 2000, 8))
+    half = (float(start) - np.pi / 2) / 2
+    middle = [0.5 * float(np.sin(start)), -0.5 * float(np.cos(start)), 0]
+    return {
+        "id": "bar_on_a_stop",
+        "title": "A bar that falls against an elastic stop, over and over",
+        "source": ["own definition; reference by derive.py"],
+        "how_obtained": "steps end where the stop is met and left; extrapolation of order 10, H = 1/1500 s, "
+        f"and of order 8, H = 1/2000 s, in 64-bit mantissa, agree to {common} digits",
+        "digits": int(common),
+        "stop": {"upper": float(STOP), "stiffness": float(BUFFER)},
+        "bodies": [
+            {"name": "bar1", "mass": 1.0, "inertia": [0.001, 1 / 12, 1 / 12, 0, 0, 0], "r0": middle,
+             "q0": [float(np.cos(half)), 0, 0, float(np.sin(half))]}
+        ],
+        "joints": [revolute("ground", "bar1", [0, 0, 0])],
+        "forces": [],
+        "gravity": [0, -9.81, 0],
+        "initial_conditions": f"{float(start):g} rad from the lowest position, at rest",
+        "quantities": ["t", "theta1", "theta1d"],
+        "values": np.column_stack([times, rows]).astype(float).tolist(),
+    }  # fmt: skip
+
+
 def text_of(data):
     """JSON with one row to a line."""
     lines = []
@@ -232,15 +498,25 @@ def text_of(data):
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def main():
-    """Writes both files."""
+def main(names):
+    """Writes the files of these names; all without."""
     halves = np.arange(1, 11) * real(1) / 2
     quarters = np.arange(1, 21) * real(1) / 4
+    tenths = np.arange(1, 11) * real(1) / 10
+    files = {
+        "chain_bars_N7": lambda: chain_file(7, np.pi * real(1) / 3, halves),
+        "four_bar": lambda: four_bar_file(np.pi * real(1) / 3, quarters),
+        "scissor_lift_100": lambda: lift_file(100, real("0.6"), tenths * 2),
+        "spring_net_12": lambda: net_file(12, tenths),
+        "arm_held_torques": lambda: arm_file(5.0),
+        "bar_on_a_stop": lambda: struck_file(real(-1), halves),
+    }
 
-    for data in (chain_file(7, np.pi * real(1) / 3, halves), four_bar_file(np.pi * real(1) / 3, quarters)):
+    for name in names or files:
+        data = files[name]()
         print(data["id"], data["how_obtained"])
         (HERE / f"{data['id']}.json").write_text(text_of(data), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
