@@ -4,28 +4,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kernels.h"
+#include "columns.h"
 #include "variables.h"
-
-/* Part of their sizes by which the knowns move at most. */
-#define STRIDE 1e-3
-
-/* Where they move to, and what comes of it counts: (8 (f(h) - f(-h)) - (f(2h) - f(-2h))) / 12h. */
-static const double PLACE_OF[4] = {1, -1, 2, -2};
-static const double WEIGHT_OF[4] = {8.0 / 12, -8.0 / 12, -1.0 / 12, 1.0 / 12};
 
 static const Variable *variable(const Instance *c, uint32_t vr)
 {
     return &c->resource.variables[vr];
 }
 
+static Part part_of(const Instance *c, uint32_t unknown)
+{
+    return variable(c, unknown)->kind == VARIABLE_OUTPUT ? OUTPUTS : RATES;
+}
+
+/* Refuses what is no unknown, what is no known, and seeds that are not finite. */
 static Status check(Instance *c, const uint32_t unknown[], size_t n_unknown, const uint32_t known[],
-                    size_t n_known, const double seed[], const double sensitivity[])
+                    size_t n_known, const double seed[], size_t n_seed, const double sensitivity[])
 {
     const char **names = c->resource.names;
     int64_t n = c->resource.n.variables;
 
-    if ((n_unknown > 0 && !(unknown && sensitivity)) || (n_known > 0 && !(known && seed)))
+    if ((n_unknown > 0 && !unknown) || (n_known > 0 && !known) || (n_seed > 0 && !seed)
+        || !sensitivity)
         return instance_refuse(c, "NULL instead of an array");
 
     for (size_t i = 0; i < n_unknown; i++) {
@@ -45,64 +45,98 @@ static Status check(Instance *c, const uint32_t unknown[], size_t n_unknown, con
                 "'%s' (value reference %u) is no input, no tunable parameter and "
                 "no state of model exchange",
                 names[known[i]], known[i]);
-        if (!isfinite(seed[i]))
-            return instance_refuse(c, "the seed of '%s' is %g", names[known[i]], seed[i]);
     }
+    for (size_t i = 0; i < n_seed; i++)
+        if (!isfinite(seed[i])) return instance_refuse(c, "seed %zu is %g", i + 1, seed[i]);
     return STATUS_OK;
 }
 
-/* How large a known is, or may be. */
-static double size_of(const Instance *c, uint32_t vr)
+/* Whether any of the unknowns is of a part. */
+static bool has_part(const Instance *c, const uint32_t unknown[], size_t n, Part part)
 {
-    double value = fabs(*variables_place(c, vr));
-
-    if (variable(c, vr)->kind == VARIABLE_STATE)
-        return fmax(value, c->reals[c->ints[AT_x_nominal] + variable(c, vr)->index]);
-    return value > 0 ? value : 1;
+    for (size_t i = 0; i < n; i++)
+        if (part_of(c, unknown[i]) == part) return true;
+    return false;
 }
 
-/* The instance's knowns moved by h along the seed; before, it was as `block` says. */
-static void move(Instance *c, const void *block, const uint32_t known[], size_t n,
-                 const double seed[], double h)
+/* Whether the columns of a part are to be found along the seed one by one: but one is missing, or as many
+   evaluations along several were made already. */
+static bool by_columns(Instance *c, const uint32_t known[], size_t n, const double seed[],
+                       Part part)
 {
-    instance_restore(c, block);
-    for (size_t i = 0; i < n; i++) {
+    size_t missing = 0, *asked = columns_asked(c);
+
+    for (size_t i = 0; i < n; i++)
+        if (seed[i] != 0 && !columns_has(c, known[i], part)) missing++;
+    return missing < 2 || !asked || (*asked)++ >= missing;
+}
+
+/* All of a part along the seed, to sum[]. */
+static Status sum_up(Instance *c, const uint32_t known[], size_t n, const double seed[], Part part,
+                     double sum[])
+{
+    if (!by_columns(c, known, n, seed, part))
+        return columns_add_along(c, known, n, seed, part, sum);
+
+    Status result = STATUS_OK;
+    for (size_t i = 0; i < n && result == STATUS_OK; i++) {
         if (seed[i] == 0) continue;
-        *variables_place(c, known[i]) += h * seed[i];
-        if (variable(c, known[i])->kind == VARIABLE_TUNABLE) c->core->prepared = 0;
-        if (c->core->mode == INITIALIZATION) c->core->started = 0;
+        const double *column = columns_get(c, known[i], part, &result);
+        for (size_t k = 0; column && k < columns_height(c, part); k++)
+            sum[k] += seed[i] * column[k];
     }
+    return result;
+}
+
+/* Refuses results that are not finite. */
+static Status check_result(Instance *c, const uint32_t vr[], size_t n, const double sensitivity[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(sensitivity[i]))
+            return instance_refuse(c, "the derivative at '%s' (value reference %u) is %g",
+                                   c->resource.names[vr[i]], vr[i], sensitivity[i]);
+    return STATUS_OK;
 }
 
 Status derivatives_along(Instance *c, const uint32_t unknown[], size_t n_unknown,
                          const uint32_t known[], size_t n_known, const double seed[],
                          double sensitivity[])
 {
-    Status result = check(c, unknown, n_unknown, known, n_known, seed, sensitivity);
-    if (result != STATUS_OK) return result;
+    if (n_unknown == 0) return STATUS_OK;
+    Status result = check(c, unknown, n_unknown, known, n_known, seed, n_known, sensitivity);
 
-    double h = INFINITY;
-    for (size_t i = 0; i < n_known; i++)
-        if (seed[i] != 0) h = fmin(h, STRIDE * size_of(c, known[i]) / fabs(seed[i]));
-    for (size_t i = 0; i < n_unknown; i++) sensitivity[i] = 0;
-    if (!isfinite(h)) return STATUS_OK;
-
-    Core *block = malloc(c->core_size);
-    double *value = malloc((n_unknown + 1) * sizeof(double));
-    if (!block || !value) result = instance_refuse(c, "out of memory");
-
-    if (result == STATUS_OK) memcpy(block, c->core, c->core_size);
-    for (int k = 0; k < 4 && result == STATUS_OK; k++) {
-        move(c, block, known, n_known, seed, PLACE_OF[k] * h);
-        result = variables_get(c, unknown, n_unknown, value);
+    for (Part part = OUTPUTS; part < N_PART && result == STATUS_OK; part++) {
+        if (!has_part(c, unknown, n_unknown, part)) continue;
+        double *sum = calloc(columns_height(c, part) + 1, sizeof(double));
+        result =
+            sum ? sum_up(c, known, n_known, seed, part, sum) : instance_refuse(c, "out of memory");
         for (size_t i = 0; i < n_unknown && result == STATUS_OK; i++)
-            sensitivity[i] += WEIGHT_OF[k] / h * value[i];
+            if (part_of(c, unknown[i]) == part)
+                sensitivity[i] = sum[variable(c, unknown[i])->index];
+        free(sum);
     }
-    if (block && value) instance_restore(c, block);
+    return result == STATUS_OK ? check_result(c, unknown, n_unknown, sensitivity) : result;
+}
 
-    free(block);
-    free(value);
-    return result;
+/* The derivative of the unknowns, weighted by the seed, by each known. */
+static Status adjoint_of(Instance *c, const uint32_t unknown[], size_t n_unknown,
+                         const uint32_t known[], size_t n_known, const double seed[],
+                         double sensitivity[])
+{
+    if (n_known == 0) return STATUS_OK;
+    Status result = check(c, unknown, n_unknown, known, n_known, seed, n_unknown, sensitivity);
+
+    for (size_t j = 0; j < n_known && result == STATUS_OK; j++) {
+        const double *column[N_PART] = {NULL};
+        for (Part part = OUTPUTS; part < N_PART && result == STATUS_OK; part++)
+            if (has_part(c, unknown, n_unknown, part))
+                column[part] = columns_get(c, known[j], part, &result);
+        double sum = 0;
+        for (size_t i = 0; i < n_unknown && result == STATUS_OK; i++)
+            sum += seed[i] * column[part_of(c, unknown[i])][variable(c, unknown[i])->index];
+        sensitivity[j] = sum;
+    }
+    return result == STATUS_OK ? check_result(c, known, n_known, sensitivity) : result;
 }
 
 /* The references of all elements of arrays, to be freed; their number in *n. NULL, and `result` says
@@ -132,7 +166,7 @@ static uint32_t *elements_of(Instance *c, const uint32_t vr[], size_t *n, Status
     return elements;
 }
 
-Status derivatives_of_arrays(Instance *c, const uint32_t unknown[], size_t n_unknown,
+Status derivatives_of_arrays(Instance *c, bool adjoint, const uint32_t unknown[], size_t n_unknown,
                              const uint32_t known[], size_t n_known, const double seed[],
                              size_t n_seed, double sensitivity[], size_t n_sensitivity)
 {
@@ -140,9 +174,14 @@ Status derivatives_of_arrays(Instance *c, const uint32_t unknown[], size_t n_unk
     uint32_t *wanted = elements_of(c, unknown, &n_unknown, &result);
     uint32_t *moved = wanted ? elements_of(c, known, &n_known, &result) : NULL;
 
-    if (moved && (n_seed != n_known || n_sensitivity != n_unknown))
-        result = instance_refuse(c, "%zu seeds for %zu knowns, %zu places for %zu unknowns", n_seed,
-                                 n_known, n_sensitivity, n_unknown);
+    size_t seeds = adjoint ? n_unknown : n_known, places = adjoint ? n_known : n_unknown;
+
+    if (moved && (n_seed != seeds || n_sensitivity != places))
+        result = instance_refuse(c, "%zu seeds for %zu %s, %zu places for %zu %s", n_seed, seeds,
+                                 adjoint ? "unknowns" : "knowns", n_sensitivity, places,
+                                 adjoint ? "knowns" : "unknowns");
+    else if (moved && adjoint)
+        result = adjoint_of(c, wanted, n_unknown, moved, n_known, seed, sensitivity);
     else if (moved)
         result = derivatives_along(c, wanted, n_unknown, moved, n_known, seed, sensitivity);
     free(wanted);

@@ -1,4 +1,6 @@
-/* Directional derivatives, by differences of order 4: exact to some ten digits of smooth functions. */
+/* Directional and adjoint derivatives, from differences: of what is affine in the knowns exact to rounding,
+   else of order 6, some ten digits of smooth functions. What was found is kept until the instance
+   changes. */
 #ifndef MBDFMI_DERIVATIVES_H
 #define MBDFMI_DERIVATIVES_H
 
@@ -10,8 +12,9 @@ Status derivatives_along(Instance *c, const uint32_t unknown[], size_t n_unknown
                          const uint32_t known[], size_t n_known, const double seed[],
                          double sensitivity[]);
 
-/* The same where a value reference means a whole array; n_seed and n_sensitivity are lengths. */
-Status derivatives_of_arrays(Instance *c, const uint32_t unknown[], size_t n_unknown,
+/* The same where a value reference means a whole array; n_seed and n_sensitivity are lengths. Adjoint:
+   the seed is of the unknowns, the sensitivity by the knowns. */
+Status derivatives_of_arrays(Instance *c, bool adjoint, const uint32_t unknown[], size_t n_unknown,
                              const uint32_t known[], size_t n_known, const double seed[],
                              size_t n_seed, double sensitivity[], size_t n_sensitivity);
 

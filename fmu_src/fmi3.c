@@ -1,36 +1,13 @@
 /* The functions of FMI 3.0: types, statuses and the log of the standard, over an
    instance that knows nothing of it. A call that is refused (fmi3Error) changes nothing: the instance
    can be used on, though the standard does not promise it. */
+#include "course.h"
 #include "derivatives.h"
 #include "exchange.h"
-#include "fmi3Functions.h"
-#include "instance.h"
+#include "fmi3_calls.h"
+#include "intermediate.h"
 #include "snapshot.h"
 #include "variables.h"
-
-#define ANY_MODE    (INSTANTIATED | INITIALIZATION | INITIALIZED | TERMINATED)
-#define WRITABLE    (INSTANTIATED | INITIALIZATION | STEP_COMPLETE | EXCHANGE_MODES)
-#define INITIALIZED (STEP_MODES | EXCHANGE_MODES)
-#define STEPPED     (STEP_MODES | TERMINATED)
-#define INTEGRATED  (INITIALIZATION | EXCHANGE_MODES | TERMINATED)
-
-static fmi3Status status_of(Status status)
-{
-    switch (status) {
-        case STATUS_OK:      return fmi3OK;
-        case STATUS_WARNING: return fmi3Warning;
-        case STATUS_DISCARD: return fmi3Discard;
-        case STATUS_ERROR:   return fmi3Error;
-        default:             return fmi3Fatal;
-    }
-}
-
-/* Begins every function that works on an instance. */
-#define ENTER(modes)                                                                               \
-    Instance *c = instance;                                                                        \
-    if (!instance_enter(c, __func__, modes)) return fmi3Error
-
-#define REFUSE(...) return status_of(instance_refuse(c, __VA_ARGS__))
 
 /* ---- library and log ---- */
 
@@ -99,6 +76,17 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
     return NULL;
 }
 
+/* Lets the master see a point within a step. */
+static bool tell_point(Instance *c, double time, bool may_return, double *until)
+{
+    fmi3Boolean requested = fmi3False;
+
+    *until = time;
+    ((fmi3IntermediateUpdateCallback)c->update)(c->log.environment, time, fmi3False, fmi3True,
+                                                fmi3True, may_return, &requested, until);
+    return may_return && requested;
+}
+
 fmi3Instance fmi3InstantiateCoSimulation(
     fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
     fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
@@ -110,14 +98,17 @@ fmi3Instance fmi3InstantiateCoSimulation(
                               instanceEnvironment, logMessage);
 
     (void)visible;
-    (void)earlyReturnAllowed;
-    (void)requiredIntermediateVariables;
-    (void)intermediateUpdate;
+    (void)requiredIntermediateVariables; /* all can be had */
     if (c && eventModeUsed)
         return refuse(c, "eventModeUsed: this FMU has no event mode (hasEventMode = false)");
-    if (c && nRequiredIntermediateVariables > 0)
-        return refuse(c, "requiredIntermediateVariables: this FMU tells none "
-                         "(providesIntermediateUpdate = false)");
+    if (c && nRequiredIntermediateVariables > 0 && !intermediateUpdate)
+        return refuse(c, "requiredIntermediateVariables: there is no intermediateUpdate to tell "
+                         "them to");
+    if (c && intermediateUpdate) {
+        c->at_point = tell_point;
+        c->update = (void (*)(void))intermediateUpdate;
+        c->may_return = earlyReturnAllowed;
+    }
     return c;
 }
 
@@ -177,7 +168,7 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                           size_t nValueReferences, fmi3Float64 values[], size_t nValues)
 {
-    ENTER(ANY_MODE);
+    ENTER(ANY_MODE | INTERMEDIATE);
     return status_of(variables_get_arrays(c, valueReferences, nValueReferences, values, nValues));
 }
 
@@ -188,75 +179,24 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
     return status_of(variables_set_arrays(c, valueReferences, nValueReferences, values, nValues));
 }
 
-/* All variables are Float64: any reference to another type is refused. */
-static fmi3Status no_variable(Instance *c, const fmi3ValueReference vr[], size_t n,
-                              const char *type)
-{
-    if (n == 0) return fmi3OK;
-    if (!vr) REFUSE("NULL instead of an array");
-    REFUSE("value reference %u is no %s: all variables of this FMU are Float64", vr[0], type);
-}
-
-#define NO_VARIABLES(Type)                                                                         \
-    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
-                             size_t nValueReferences, fmi3##Type values[], size_t nValues)         \
-    {                                                                                              \
-        ENTER(ANY_MODE);                                                                           \
-        (void)values;                                                                              \
-        (void)nValues;                                                                             \
-        return no_variable(c, valueReferences, nValueReferences, #Type);                           \
-    }                                                                                              \
-    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
-                             size_t nValueReferences, const fmi3##Type values[], size_t nValues)   \
-    {                                                                                              \
-        ENTER(WRITABLE);                                                                           \
-        (void)values;                                                                              \
-        (void)nValues;                                                                             \
-        return no_variable(c, valueReferences, nValueReferences, #Type);                           \
-    }
-
-NO_VARIABLES(Float32)
-NO_VARIABLES(Int8)
-NO_VARIABLES(UInt8)
-NO_VARIABLES(Int16)
-NO_VARIABLES(UInt16)
-NO_VARIABLES(Int32)
-NO_VARIABLES(UInt32)
-NO_VARIABLES(Int64)
-NO_VARIABLES(UInt64)
-NO_VARIABLES(Boolean)
-NO_VARIABLES(String)
-
-fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                         size_t nValueReferences, size_t valueSizes[], fmi3Binary values[],
-                         size_t nValues)
-{
-    ENTER(ANY_MODE);
-    (void)valueSizes;
-    (void)values;
-    (void)nValues;
-    return no_variable(c, valueReferences, nValueReferences, "Binary");
-}
-
-fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                         size_t nValueReferences, const size_t valueSizes[],
-                         const fmi3Binary values[], size_t nValues)
-{
-    ENTER(WRITABLE);
-    (void)valueSizes;
-    (void)values;
-    (void)nValues;
-    return no_variable(c, valueReferences, nValueReferences, "Binary");
-}
-
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
                                         size_t nUnknowns, const fmi3ValueReference knowns[],
                                         size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
                                         fmi3Float64 sensitivity[], size_t nSensitivity)
 {
-    ENTER(INITIALIZATION | INITIALIZED | TERMINATED);
-    return status_of(derivatives_of_arrays(c, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed,
-                                           sensitivity, nSensitivity));
+    ENTER(INITIALIZATION | INITIALIZED | INTERMEDIATE | TERMINATED);
+    return status_of(derivatives_of_arrays(c, false, unknowns, nUnknowns, knowns, nKnowns, seed,
+                                           nSeed, sensitivity, nSensitivity));
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                    size_t nUnknowns, const fmi3ValueReference knowns[],
+                                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
+                                    fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    ENTER(INITIALIZATION | INITIALIZED | INTERMEDIATE | TERMINATED);
+    return status_of(derivatives_of_arrays(c, true, unknowns, nUnknowns, knowns, nKnowns, seed,
+                                           nSeed, sensitivity, nSensitivity));
 }
 
 /* ---- snapshots ---- */
@@ -430,154 +370,21 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (!(eventHandlingNeeded && terminateSimulation && earlyReturn && lastSuccessfulTime))
         REFUSE("NULL instead of a place for a result");
 
-    Status result = instance_try_step(c, currentCommunicationPoint, communicationStepSize);
+    bool early;
+    Status result = intermediate_step(c, currentCommunicationPoint, communicationStepSize, &early);
 
-    *eventHandlingNeeded = *terminateSimulation = *earlyReturn = fmi3False;
+    *eventHandlingNeeded = *terminateSimulation = fmi3False;
+    *earlyReturn = early;
     *lastSuccessfulTime = c->core->time;
     return status_of(result);
 }
-
-/* ---- what this FMU does not have ---- */
-
-/* arguments that nothing looks at */
-#pragma GCC diagnostic ignored "-Wunused-parameter"
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance,
                                     const fmi3ValueReference valueReferences[],
                                     size_t nValueReferences, const fmi3Int32 orders[],
                                     fmi3Float64 values[], size_t nValues)
 {
-    ENTER(STEPPED);
-    if (nValueReferences > 0) REFUSE("this FMU gives none (maxOutputDerivativeOrder = 0)");
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
-                                    size_t nUnknowns, const fmi3ValueReference knowns[],
-                                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,
-                                    fmi3Float64 sensitivity[], size_t nSensitivity)
-{
-    ENTER(INITIALIZATION | INITIALIZED | TERMINATED);
-    REFUSE("this FMU gives none (providesAdjointDerivatives = false)");
-}
-
-fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance,
-                                               fmi3ValueReference valueReference,
-                                               size_t *nDependencies)
-{
-    ENTER(ANY_MODE);
-    REFUSE("modelDescription.xml tells them (providesPerElementDependencies = false)");
-}
-
-fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
-                                       size_t elementIndicesOfDependent[],
-                                       fmi3ValueReference independents[],
-                                       size_t elementIndicesOfIndependents[],
-                                       fmi3DependencyKind dependencyKinds[], size_t nDependencies)
-{
-    ENTER(ANY_MODE);
-    REFUSE("modelDescription.xml tells them (providesPerElementDependencies = false)");
-}
-
-/* Refused in every state: modes that are never entered, and what belongs to them. */
-#define NEVER()                                                                                    \
-    ENTER(0);                                                                                      \
-    return fmi3OK
-
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
-{
-    NEVER();
-}
-
-fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
-                                      fmi3Float64 activationTime)
-{
-    NEVER();
-}
-
-/* No variable is a clock. */
-#define NO_CLOCK()                                                                                 \
-    ENTER(ANY_MODE);                                                                               \
-    return no_variable(c, valueReferences, nValueReferences, "Clock")
-
-fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                        size_t nValueReferences, fmi3Clock values[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                        size_t nValueReferences, const fmi3Clock values[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, fmi3Float64 intervals[],
-                                  fmi3IntervalQualifier qualifiers[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3GetIntervalFraction(fmi3Instance instance,
-                                   const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, fmi3UInt64 counters[],
-                                   fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, fmi3Float64 shifts[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, fmi3UInt64 counters[],
-                                fmi3UInt64 resolutions[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                  size_t nValueReferences, const fmi3Float64 intervals[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3SetIntervalFraction(fmi3Instance instance,
-                                   const fmi3ValueReference valueReferences[],
-                                   size_t nValueReferences, const fmi3UInt64 counters[],
-                                   const fmi3UInt64 resolutions[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                               size_t nValueReferences, const fmi3Float64 shifts[])
-{
-    NO_CLOCK();
-}
-
-fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference valueReferences[],
-                                size_t nValueReferences, const fmi3UInt64 counters[],
-                                const fmi3UInt64 resolutions[])
-{
-    NO_CLOCK();
+    ENTER(STEPPED | INTERMEDIATE);
+    return status_of(course_derivatives_of_arrays(c, valueReferences, nValueReferences, orders,
+                                                  values, nValues));
 }

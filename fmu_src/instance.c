@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "aside.h"
+#include "columns.h"
 #include "kernels.h"
+#include "tolerance.h"
 
 /* ---- what kernels say ---- */
 
@@ -127,6 +130,7 @@ double *instance_x(const Instance *c)
 void instance_changed(Instance *c)
 {
     c->current = c->is_led = c->is_rated = c->is_indicated = false;
+    c->point++;
 }
 
 static size_t size_of_x(const Instance *c)
@@ -232,16 +236,19 @@ Status instance_outputs(Instance *c)
     return result;
 }
 
-/* Advances from the communication point t by H (s), both already checked. */
-static Status advance(Instance *c, double t, double H)
+double instance_same_step(const Instance *c, double t, double H)
+{
+    double end = t + H, rounding = 4 * DBL_EPSILON * fmax(fabs(t), fabs(end));
+
+    return c->core->step > 0 && fabs(H - c->core->step) <= rounding ? c->core->step : H;
+}
+
+Status instance_advance(Instance *c, double t, double H)
 {
     Core *core = c->core;
     double end = t + H;
 
-    /* A master that forms H as the difference of two times is off by their rounding: take the
-       last step's H again, so that all ways to count time give the same bits. */
-    double rounding = 4 * DBL_EPSILON * fmax(fabs(t), fabs(end));
-    if (core->step > 0 && fabs(H - core->step) <= rounding) H = core->step;
+    H = instance_same_step(c, t, H);
 
     void *excinfo;
     int64_t status = CODE_OK;
@@ -366,6 +373,9 @@ bool instance_exchange(Instance *c)
 
 void instance_free(Instance *c)
 {
+    columns_free(c);
+    free(c->course);
+    aside_free(c);
     resource_free(&c->resource);
     free(c->core);
     free(c->before);
@@ -390,6 +400,7 @@ static const char *mode_name(int64_t mode)
         case STEP_FAILED:     return "step failed";
         case EVENT:           return "event mode";
         case CONTINUOUS_TIME: return "continuous-time mode";
+        case INTERMEDIATE:    return "intermediate update";
         default:              return "terminated";
     }
 }
@@ -426,8 +437,9 @@ Status instance_choose_log(Instance *c, bool on, size_t n, const char *const cat
 Status instance_setup(Instance *c, const double *tolerance, double start_time,
                       const double *stop_time)
 {
-    if (tolerance && !(isfinite(*tolerance) && *tolerance > 0))
-        return instance_refuse(c, "the tolerance is %g and must be positive", *tolerance);
+    if (tolerance && !tolerance_is_possible(*tolerance))
+        return instance_refuse(c, "the tolerance is %g and must be from %g to %g", *tolerance,
+                               LEAST_TOLERANCE, LARGEST_TOLERANCE);
     if (!isfinite(start_time)) return instance_refuse(c, "the start time is %g", start_time);
     if (stop_time && !(*stop_time >= start_time))
         return instance_refuse(c, "the stop time %.9g s is before the start time %.9g s",
@@ -437,12 +449,7 @@ Status instance_setup(Instance *c, const double *tolerance, double start_time,
     c->core->stop_time = stop_time ? *stop_time : INFINITY;
     c->core->started = 0;
     instance_changed(c);
-
-    /* the same digits from every master */
-    if (tolerance)
-        return log_tell(&c->log, STATUS_OK, "the tolerance %g is not used: the scene's own holds",
-                        *tolerance);
-    return STATUS_OK;
+    return tolerance_take(c, tolerance);
 }
 
 Status instance_start(Instance *c)
@@ -452,6 +459,7 @@ Status instance_start(Instance *c)
 
     if (result != STATUS_OK) return result;
     c->core->mode = c->exchanges ? EVENT : STEP_COMPLETE;
+    c->point++; /* parameters no longer act on the start */
 
     for (int64_t i = 0; i < r->n.notices; i++)
         log_tell(&c->log, STATUS_WARNING, "%s", r->notices[i]);
@@ -459,7 +467,7 @@ Status instance_start(Instance *c)
     return log_tell(&c->log, STATUS_OK, "initialised at t = %.9g s", c->core->start_time);
 }
 
-Status instance_step(Instance *c, double t, double H)
+Status instance_check_step(Instance *c, double t, double H)
 {
     double time = c->core->time;
 
@@ -477,8 +485,14 @@ Status instance_step(Instance *c, double t, double H)
         return instance_refuse(c, "the step ends at t = %.9g s, after the stop time %.9g s", t + H,
                                c->core->stop_time);
 
-    Status result = instance_prepare(c);
-    return result == STATUS_OK ? advance(c, t, H) : result;
+    return instance_prepare(c);
+}
+
+Status instance_step(Instance *c, double t, double H)
+{
+    Status result = instance_check_step(c, t, H);
+
+    return result == STATUS_OK ? instance_advance(c, t, H) : result;
 }
 
 void instance_restore(Instance *c, const void *block)
@@ -488,15 +502,14 @@ void instance_restore(Instance *c, const void *block)
     instance_changed(c);
 }
 
-Status instance_try_step(Instance *c, double t, double H)
+Core *instance_keep(Instance *c)
 {
     if (!c->before) c->before = malloc(c->core_size);
-    if (!c->before) return instance_refuse(c, "out of memory");
-    memcpy(c->before, c->core, c->core_size);
-
-    Status result = instance_step(c, t, H);
-    if (result == STATUS_DISCARD) instance_restore(c, c->before);
-    return result;
+    if (!c->before) {
+        instance_refuse(c, "out of memory");
+        return NULL;
+    }
+    return memcpy(c->before, c->core, c->core_size);
 }
 
 Status instance_terminate(Instance *c)

@@ -18,7 +18,8 @@ typedef enum {
     STEP_FAILED = 8,
     TERMINATED = 16,
     EVENT = 32,
-    CONTINUOUS_TIME = 64
+    CONTINUOUS_TIME = 64,
+    INTERMEDIATE = 128 /* at a point within a step, which the master is let see */
 } Mode;
 
 #define EXCHANGE_MODES (EVENT | CONTINUOUS_TIME)
@@ -33,9 +34,10 @@ typedef struct {
     int64_t mode;                 /* a Mode */
     int64_t prepared;             /* 1: the state knows the present parameters */
     int64_t started;              /* 1: the state follows from the present start values */
+    int64_t told_tolerances;      /* a bit for each tolerance that was set as a parameter */
 } Core;
 
-typedef struct {
+typedef struct Instance {
     Log log;
     const char *function; /* that the master has called, for the log */
 
@@ -56,7 +58,18 @@ typedef struct {
     double *given, *led, *rates, *indicators;
     bool is_led, is_rated, is_indicated; /* follow from the present reals, state and u */
 
-    Core *before; /* room for a copy of the block, once instance_try_step is called */
+    /* points within a step, where the master wants to see them: it may ask to return at *until */
+    bool (*at_point)(struct Instance *c, double time, bool may_return, double *until);
+    void (*update)(void);
+    bool may_return;
+
+    uint64_t point;          /* counts changes of what follows from reals, state and u */
+    struct Aside *aside;     /* room for evaluations aside, once there are any; see aside.h */
+    double *course;          /* derivatives of outputs by time, once they are asked for ... */
+    uint64_t course_point;   /* ... and of when */
+    struct Columns *columns; /* derivatives, once they are asked for; see columns.h */
+
+    Core *before; /* room for a copy of the block, once instance_keep is called */
 } Instance;
 
 /* NULL, with the reason in the log, when the resource or the GUID is not good. `log` is copied, its
@@ -84,11 +97,21 @@ Status instance_setup(Instance *c, const double *tolerance, double start_time,
 /* Ends the initialisation: the start stands, and what is to be known of it is told. */
 Status instance_start(Instance *c);
 
-/* Advances from the communication point t by H (s). */
+/* Whether a step from the communication point t by H (s) can be begun. */
+Status instance_check_step(Instance *c, double t, double H);
+
+/* The step from t that a master means by H (s). One that forms H as the difference of two times is off by
+   their rounding: it is the last step's H again, so that all ways to count time give the same bits. */
+double instance_same_step(const Instance *c, double t, double H);
+
+/* Advances from t by H, both checked. */
+Status instance_advance(Instance *c, double t, double H);
+
+/* Both. */
 Status instance_step(Instance *c, double t, double H);
 
-/* The same, but a step that is discarded leaves the instance as it was before. */
-Status instance_try_step(Instance *c, double t, double H);
+/* Room for a copy of the block, and the block as it is in it; NULL, and refused, without memory. */
+Core *instance_keep(Instance *c);
 
 /* Makes `block`, core_size bytes, that of the instance. */
 void instance_restore(Instance *c, const void *block);

@@ -7,11 +7,13 @@
 #include "crc32.h"
 #include "kernels.h"
 
-#define VERSION 2
+#define VERSION 3
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 
 typedef struct {
+    uint64_t
+        none; /* 0: some masters (fmusim 0.0.39) take the first word for a pointer to the state */
     char magic[8];
     uint32_t version;
     uint32_t crc; /* of core and what follows, in the serialised form */
@@ -33,7 +35,7 @@ static const char *fault_of(const Instance *c, const Snapshot *s)
     const Resource *r = &c->resource;
 
     if (!s) return "it is NULL";
-    if (memcmp(s->magic, MAGIC, sizeof MAGIC) != 0)
+    if (s->none != 0 || memcmp(s->magic, MAGIC, sizeof MAGIC) != 0)
         return "it is not a state of an FMU made by mbdfmi";
     if (s->version != VERSION) return "it has another format";
     if (memcmp(s->guid, r->guid, GUID_SIZE) != 0) return "it belongs to another FMU";
@@ -75,6 +77,7 @@ Status snapshot_get(Instance *c, void **state)
     Snapshot *s = make_room(c, state, &result);
 
     if (!s) return result;
+    s->none = 0;
     memcpy(s->magic, MAGIC, sizeof MAGIC);
     s->version = VERSION;
     s->crc = 0;
@@ -145,7 +148,7 @@ static bool is_possible(const Instance *c, const Core *core)
         && mode != STEP_FAILED && mode != TERMINATED && mode != EVENT && mode != CONTINUOUS_TIME)
         return false;
     if (isnan(core->event_time)) return false;
-    if ((core->prepared | core->started | 1) != 1) return false;
+    if ((core->prepared | core->started | 1) != 1 || (core->told_tolerances | 3) != 3) return false;
     if (mode != INSTANTIATED && mode != INITIALIZATION && !core->started) return false;
     if (!(isfinite(core->start_time) && isfinite(core->time) && core->stop_time >= core->start_time
           && core->step >= 0 && isfinite(core->step) && isfinite(state[r->ints[AT_time]])))

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "tolerance.h"
+
 static int64_t kind_of(const Instance *c, uint32_t vr)
 {
     return c->resource.variables[vr].kind;
@@ -105,6 +107,8 @@ static Status check_set(Instance *c, uint32_t vr, double value)
 static void set(Instance *c, uint32_t vr, double value)
 {
     double *place = variables_place(c, vr);
+
+    if (kind_of(c, vr) == VARIABLE_TUNABLE) tolerance_told(c, c->resource.variables[vr].index);
 
     /* a value that stands already changes nothing, not even what the solver remembers */
     if (memcmp(place, &value, sizeof *place) == 0) return;

@@ -155,6 +155,15 @@ class Instance:
         given = (c_double * len(seed))(*seed)
         return self.call("fmi2GetDirectionalDerivative", *ends, given, result), list(result)
 
+    def output_derivatives(self, names: list[str], order: int) -> tuple[int, list[float]]:
+        """Status and derivatives of outputs by time."""
+        keys = (c_uint * len(names))(*map(self.library.reference, names))
+        result = (c_double * len(names))()
+        orders = (c_int * len(names))(*[order] * len(names))
+        return self.call("fmi2GetRealOutputDerivatives", keys, c_size_t(len(names)), orders, result), list(
+            result
+        )
+
     # steps
 
     def step(self, t: float, H: float) -> int:

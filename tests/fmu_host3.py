@@ -48,7 +48,15 @@ class Instance:
     """
 
     def __init__(
-        self, library, name=b"it", token=None, path=None, kind="CoSimulation", logging=True, extra=None
+        self,
+        library,
+        name=b"it",
+        token=None,
+        path=None,
+        kind="CoSimulation",
+        logging=True,
+        extra=None,
+        update=None,
     ):
         self.library = library
         self.log = []
@@ -63,7 +71,9 @@ class Instance:
             c_bool(logging),
         )
         own = extra or (c_bool(False), c_bool(False), None, c_size_t(0))
-        last = {"ModelExchange": (), "CoSimulation": (None,), "ScheduledExecution": (None, None, None)}[kind]
+        last = {"ModelExchange": (), "CoSimulation": (update,), "ScheduledExecution": (None, None, None)}[
+            kind
+        ]
         more = own if kind == "CoSimulation" else ()
         self.component = library.instantiate[kind](*first, *more, None, self.logger, *last)
 
@@ -119,6 +129,21 @@ class Instance:
         status, values = self.get(*self.library.names("output"))
         assert status == OK
         return values
+
+    def derivatives(
+        self, kind: str, unknowns, knowns, seed: list[float], room: int
+    ) -> tuple[int, list[float]]:
+        """Status and values; kind: "Directional" or "Adjoint"; `room` of these."""
+        given, result = (c_double * len(seed))(*seed), (c_double * room)()
+        ends = *self._references(unknowns), *self._references(knowns), given, c_size_t(len(seed))
+        return self.call(f"fmi3Get{kind}Derivative", *ends, result, c_size_t(room)), list(result)
+
+    def output_derivatives(self, names: list[str], order: int) -> tuple[int, list[float]]:
+        """Status and derivatives of outputs by time."""
+        result = (c_double * sum(map(self.library.length, names)))()
+        orders = (c_int * len(names))(*[order] * len(names))
+        given = *self._references(names), orders, result, c_size_t(len(result))
+        return self.call("fmi3GetOutputDerivatives", *given), list(result)
 
     # steps
 

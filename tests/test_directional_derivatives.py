@@ -1,5 +1,6 @@
 """Directional derivatives of an FMU: against closed forms and other differences, and good for what they are wanted for."""
 
+import time
 from ctypes import c_double, c_size_t
 
 import fmu_host3
@@ -157,7 +158,273 @@ def test_of_arrays_in_fmi_3(tmp_path):
     seed, result = (c_double * 3)(1.0, -2.0, 4.0), (c_double * 3)()
     given = acceleration, one, force, one, seed, c_size_t(3), result
     assert fmu.call("fmi3GetDirectionalDerivative", *given, c_size_t(3)) == OK
-    np.testing.assert_allclose(list(result), [0.25, -0.5, 1.0], rtol=1e-11)
+    np.testing.assert_allclose(list(result), [0.25, -0.5, 1.0], rtol=1e-15)
     assert fmu.call("fmi3GetDirectionalDerivative", *given, c_size_t(2)) == ERROR
     assert "2 places for 3 unknowns" in fmu.message
+    assert fmu.call("fmi3GetAdjointDerivative", *given, c_size_t(2)) == ERROR
+    assert "2 places for 3 knowns" in fmu.message
+    status, back = fmu.derivatives("Adjoint", ["b.acceleration"], ["b.force"], list(seed), 3)
+    assert status == OK
+    np.testing.assert_allclose(back, [0.25, -0.5, 1.0], rtol=1e-15)
+    fmu.free()
+
+
+def hinges(n):
+    """Bodies on hinges, each driven, that move; bent so that nothing is small."""
+    body, joint = {}, {}
+    for k in range(n):
+        mark = {"end": {"position": [0.4, 0, 0]}}
+        body[f"b{k}"] = {"mass": 1 + k, "com": [0.2, 0, 0.1], "inertia": [0.1, 0.2, 0.3], "marker": mark}
+        joint[f"j{k}"] = {
+            "revolute": {"axis": "xyz"[k % 3]},
+            "between": [f"b{k - 1}.end" if k else "ground", f"b{k}"],
+            "start": {"angle": 0.3 + 0.1 * k, "speed": 0.5 - 0.2 * k},
+            "damper": 0.1,
+            "input": "torque",
+            "output": ["acceleration", "angle"],
+        }
+    return Scene(name="chain", gravity=[0, 0, -9.81], body=body, joint=joint)
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory):
+    """Eight of them, in FMI 2 and 3."""
+    scene = hinges(8)
+    folder = tmp_path_factory.mktemp("chain")
+    return library_of(scene, folder)[1], library_of(scene, folder, 3)[1]
+
+
+def knowns_of(description, exchanges=True):
+    names = [v.name for v in description.modelVariables if v.causality == "input"]
+    return (
+        names
+        + ["b3.mass", "j2.damper"]
+        + [u.variable.derivative.name for u in description.derivatives] * exchanges
+    )
+
+
+def test_adjoints_are_transposed(chain):
+    """Co-simulation and model exchange, outputs and rates: s J e by the rows and by the columns."""
+    rng = np.random.default_rng(0)
+    for kind in ("CoSimulation", "ModelExchange"):
+        fmu = fmu_host3.Instance(chain[1], kind=kind).start()
+        knowns = knowns_of(chain[1].description, kind == "ModelExchange")
+        rates = [u.variable.name for u in chain[1].description.derivatives]
+        unknowns = chain[1].names("output") + rates
+        seed, weight = rng.normal(size=len(knowns)), rng.normal(size=len(unknowns))
+        status, down = fmu.derivatives("Directional", unknowns, knowns, list(seed), len(unknowns))
+        assert status == OK
+        status, up = fmu.derivatives("Adjoint", unknowns, knowns, list(weight), len(knowns))
+        assert status == OK
+        assert weight @ down == pytest.approx(seed @ up, rel=1e-10)
+
+        # column by column it is the same Jacobian, to the bit
+        each = [fmu.derivatives("Directional", unknowns, [name], [1.0], len(unknowns))[1] for name in knowns]
+        np.testing.assert_allclose(weight @ np.transpose(each), up, rtol=1e-13, atol=1e-13)
+        assert fmu.derivatives("Adjoint", unknowns, ["j1.angle"], list(weight), 1)[0] == ERROR
+        fmu.free()
+
+
+def test_what_was_found_is_kept_until_something_changes(chain):
+    """None of it is stale, whatever was changed; and what is changed back gives the same bits."""
+    solver = Solver(chain[0])
+    fmu, x = solver.fmu, solver.x
+    rates = [u.variable.name for u in chain[0].description.derivatives]
+
+    def jacobian():
+        return columns(fmu, rates, knowns_of(chain[0].description))
+
+    found = jacobian()
+    np.testing.assert_array_equal(jacobian(), found)
+    solver.go(0.0, x + 0.1)
+    assert np.abs(jacobian() - found).max() > 1e-3
+    solver.go(0.0, x)
+    np.testing.assert_array_equal(jacobian(), found)
+    solver.call("fmi2EnterEventMode")
+    assert fmu.set({"b3.mass": 40.0}) == OK
+    assert np.abs(jacobian() - found).max() > 1e-3
+    assert fmu.set({"b3.mass": 4.0}) == OK
+    np.testing.assert_allclose(jacobian(), found, rtol=1e-12, atol=1e-12)
+    fmu.free()
+
+
+def test_a_kept_jacobian_costs_nothing(tmp_path):
+    """All 64 columns of a chain of 32, one by one, again."""
+    library = library_of(hinges(32), tmp_path)[1]
+    solver = Solver(library)
+    x, states = solver.x, [u.variable.derivative.name for u in library.description.derivatives]
+    rates = [f"der({name})" for name in states]
+
+    def timed():
+        start = time.process_time()
+        columns(solver.fmu, rates, states)
+        return time.process_time() - start
+
+    first, again = [], []
+    for k in range(4):
+        solver.go(0.0, x + 1e-3 * k)
+        first.append(timed())
+        again.append(timed())
+
+    assert min(again) < min(first) / 2  # what is left is Python
+    solver.fmu.free()
+
+
+def test_along_many_at_once(chain):
+    """However often one asks: the same as the sum of the columns, first by evaluations along the seed, then from what is kept."""
+    solver = Solver(chain[0])
+    knowns, rates = (
+        knowns_of(chain[0].description),
+        [u.variable.name for u in chain[0].description.derivatives],
+    )
+    rng = np.random.default_rng(1)
+    seeds = rng.normal(size=(3 * len(knowns), len(knowns)))
+    found = [solver.fmu.along(rates, knowns, list(seed))[1] for seed in seeds]
+    J = columns(solver.fmu, rates, knowns)
+    np.testing.assert_allclose(found, seeds @ J.T, rtol=1e-9, atol=1e-9 * np.abs(J).max())
+    solver.fmu.free()
+
+
+def test_efforts_to_the_last_digits(tmp_path):
+    """A newton on 1000 t that weigh 1e7 N: 1e-6 m/s2, which differences of a newton would know to three digits."""
+    body = {
+        "b": {
+            "mass": 1e6,
+            "com": [0, 0, 0],
+            "inertia": [1e6] * 3,
+            "input": ["force"],
+            "output": ["acceleration"],
+        }
+    }
+    scene = Scene(
+        name="heavy", gravity=[0, 0, -9.81], body=body, joint={"j": {"free": {}, "between": ["ground", "b"]}}
+    )
+    fmu = Instance(library_of(scene, tmp_path)[1]).start()
+    outputs = [f"b.acceleration[{k}]" for k in (1, 2, 3)]
+    J = columns(fmu, outputs, [f"b.force[{k}]" for k in (1, 2, 3)])
+    np.testing.assert_allclose(J, np.eye(3) / 1e6, rtol=1e-14, atol=1e-21)
+
+    # a parameter that is zero, and one that is nothing but rounding beside its fellows
+    assert fmu.set({"b.force[1]": 3e6}) == OK
+    by_com = columns(fmu, ["b.acceleration[2]"], ["b.com[2]"])
+    assert abs(by_com[0, 0]) < 1e-9
+    fmu.free()
+
+
+def test_parameters_at_the_end_of_their_range(tmp_path):
+    """A mass of zero can only grow: derivatives by it are of that side."""
+    scene = Scene(
+        name="bare",
+        body={"b": {"mass": 0.0, "inertia": [0, 0, 2.0], "com": [0.5, 0, 0]}},
+        joint={
+            "j": {
+                "revolute": {"axis": "z"},
+                "between": ["ground", "b"],
+                "start": {"speed": 3.0},
+                "input": "torque",
+                "output": ["acceleration"],
+            }
+        },
+    )
+    fmu = Instance(library_of(scene, tmp_path)[1]).start()
+    assert fmu.set({"j.torque": 8.0}) == OK  # 4 rad/s2
+    assert fmu.along(["j.acceleration"], ["b.mass"], [1.0])[1] == pytest.approx([-8 * 0.25 / 4], rel=1e-9)
+    assert fmu.along(["j.acceleration"], ["b.mass"], [-2.0])[1] == pytest.approx([2 * 8 * 0.25 / 4], rel=1e-9)
+    fmu.free()
+
+
+# derivatives of outputs by time
+
+
+def test_output_derivatives_of_a_closed_form(tmp_path):
+    """A slide on a spring, driven: position, speed and acceleration after some steps, both versions."""
+    k, m, amplitude = 40.0, 1.6, 0.3
+    scene = Scene(
+        name="slide",
+        body={"b": {"mass": m, "inertia": [1, 1, 1]}},
+        joint={
+            "j": {
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "b"],
+                "spring": {"stiffness": k},
+                "start": {"position": amplitude},
+                "output": ["position", "speed", "acceleration"],
+                "input": "force",
+            }
+        },
+        solver={"tolerance": 1e-13},
+    )
+    w = np.sqrt(k / m)
+    names = ["j.position", "j.speed", "j.acceleration"]
+    for fmi, host in ((2, Instance), (3, fmu_host3.Instance)):
+        fmu = host(library_of(scene, tmp_path, fmi)[1]).start()
+        for i in range(7):
+            assert fmu.step(i * 0.1, 0.1) == OK
+
+        x = amplitude * np.cos(w * 0.7 + np.arange(5) * np.pi / 2) * w ** np.arange(5)  # and its rates
+        before = fmu.serialise(fmu.save())
+        np.testing.assert_allclose(fmu.output_derivatives(names, 1)[1], x[1:4], rtol=1e-10)
+        np.testing.assert_allclose(fmu.output_derivatives(names, 2)[1], x[2:5], rtol=1e-8)
+        assert fmu.serialise(fmu.save()) == before
+        for names_, order in ((["j.position"], 3), (["j.position"], 0), (["j.force"], 1)):
+            assert fmu.output_derivatives(names_, order)[0] == ERROR
+
+        if fmi == 2:
+            # the force ahead belongs to it: m a' = -k v + F'
+            assert fmu.set_derivatives("j.force", 1, 3.2) == OK
+            assert fmu.output_derivatives(["j.acceleration"], 1)[1][0] == pytest.approx(x[3] + 2.0, rel=1e-9)
+        fmu.free()
+
+
+@pytest.mark.parametrize(
+    "name", ["four_bar", "floating_wind_turbine", "satellite", "marble_run", "spinning_top"]
+)
+def test_output_derivatives_against_steps(name, tmp_path):
+    """Differences of the outputs of tight steps before and after, loops and contacts inside."""
+    scene = read_scene(next(path for path in SCENES if path.stem == name))
+    model, library = library_of(scene, tmp_path)
+    names = [v.name for v in model.of_causality("output")]
+    fmu = Instance(library)
+    tolerances = {f"solver.{n}": 1e-13 for n in ("tolerance", "absolute_tolerance")}
+    assert fmu.set(tolerances if "solver.tolerance" in library.variables else {"solver.step": 1e-4}) == OK
+    fmu.start()
+    assert fmu.step(0.0, 0.3) == OK
+    h = 1e-3 if name != "spinning_top" else 1e-4
+    samples = [fmu.outputs()]
+    first, second = (fmu.output_derivatives(names, order)[1] for order in (1, 2))
+    for i in range(8):
+        assert fmu.step(0.3 + i * h, h) == OK
+        samples.append(fmu.outputs())
+
+    # the polynomial through the samples ahead; what rounding of the samples makes of it, both ways
+    powers = np.vander(np.arange(9.0), increasing=True)
+    c = np.linalg.solve(powers, np.array(samples))
+    scale = np.abs(samples).max(0) + 1
+
+    for k, name in enumerate(names):
+        if not name.startswith("constraint"):
+            noise = 1e-14 * max(scale[k], 7e6 if "flight" in name else 0)  # m, from the middle of the earth
+            assert first[k] == pytest.approx(c[1][k] / h, rel=1e-6, abs=10 * noise / h), name
+            assert second[k] == pytest.approx(2 * c[2][k] / h**2, rel=1e-4, abs=100 * noise / h**2), name
+
+    fmu.free()
+
+
+def test_commanded_motions_have_no_output_derivatives(tmp_path):
+    scene = Scene(
+        name="led",
+        body={"b": {"mass": 1, "inertia": [1, 1, 1]}},
+        joint={
+            "j": {
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "b"],
+                "driver": {"input": ["position"]},
+                "output": ["position"],
+            }
+        },
+    )
+    library = library_of(scene, tmp_path)[1]
+    assert library.description.coSimulation.maxOutputDerivativeOrder == 0
+    fmu = Instance(library).start()
+    assert fmu.output_derivatives(["j.position"], 1)[0] == ERROR and "maxOutputDerivativeOrder" in fmu.message
     fmu.free()

@@ -2,7 +2,7 @@
 
 import ctypes
 import re
-from ctypes import c_bool, c_double, c_size_t
+from ctypes import c_bool, c_double, c_size_t, c_void_p
 from pathlib import Path
 
 import fmpy
@@ -102,7 +102,7 @@ def test_version(arms):
         ({"extra": (c_bool(True), c_bool(False), None, c_size_t(0))}, "hasEventMode = false"),
         (
             {"extra": (c_bool(False), c_bool(False), (ctypes.c_uint * 1)(0), c_size_t(1))},
-            "providesIntermediateUpdate = false",
+            "there is no intermediateUpdate to tell them to",
         ),
     ],
 )
@@ -247,16 +247,15 @@ def test_what_the_flags_deny_is_refused(arm):
     true = {name for name, value in flags.items() if value == "true"}
     assert true == {
         "canGetAndSetFMUState",
+        "canReturnEarlyAfterIntermediateUpdate",
         "canSerializeFMUState",
+        "providesIntermediateUpdate",
         "canHandleVariableCommunicationStepSize",
+        "providesAdjointDerivatives",
         "providesDirectionalDerivatives",
     }
-    assert flags["maxOutputDerivativeOrder"] == "0"
+    assert flags["maxOutputDerivativeOrder"] == "2"
 
-    one = (ctypes.c_uint * 1)(0)
-    given = (one, c_size_t(1), one, c_size_t(1), None, c_size_t(1), None, c_size_t(1))
-    assert arm.call("fmi3GetAdjointDerivative", *given) == ERROR and "this FMU gives none" in arm.message
-    assert arm.call("fmi3GetOutputDerivatives", one, c_size_t(1), None, None, c_size_t(1)) == ERROR
     assert arm.call("fmi3GetNumberOfVariableDependencies", 0, None) == ERROR
 
 
@@ -290,7 +289,8 @@ def test_experiment(new):
     for wrong in ({"tolerance": -1.0}, {"stop": -1.0}, {"start": float("nan")}):
         assert new().enter(**wrong) == ERROR
     instance = new()
-    assert instance.enter(tolerance=1e-4) == OK and "the scene's own" in instance.message
+    assert instance.enter(tolerance=1e-4) == OK
+    assert "1e-4" not in instance.message and "takes fixed steps" in instance.message
     instance = new().start(stop=0.1)
     assert instance.step(0.0, 0.1) == OK and instance.step(0.1, 0.1) == ERROR
 
@@ -311,3 +311,119 @@ def test_snapshots(arm):
     assert arm.call("fmi3Reset") == OK
     fresh = arm.start().outputs()
     assert fresh != first[0]
+
+
+# points within a step
+
+UPDATE = ctypes.CFUNCTYPE(
+    None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, ctypes.POINTER(c_bool), ctypes.POINTER(c_double)
+)
+
+
+class Watched(Instance):
+    """One whose master is called at points within a step; `at`: what it does there, and the time that it would return at."""
+
+    def __init__(self, library, at=lambda self, time: None, early=True):
+        self.points = []
+        self.at = at
+        self.callback = UPDATE(self._update)
+        extra = c_bool(False), c_bool(early), (ctypes.c_uint * 1)(0), c_size_t(1)
+        super().__init__(library, extra=extra, update=self.callback)
+
+    def _update(self, _, time, wants, allowed, finished, may, requested, until):
+        assert not wants and allowed and finished
+        self.points.append((time, may))
+        wanted = self.at(self, time)
+        if wanted is not None:
+            requested[0], until[0] = True, wanted
+
+
+@pytest.fixture
+def watched(arms):
+    made = []
+
+    def make(*arguments, **more):
+        made.append(Watched(arms[1], *arguments, **more))
+        assert made[-1].component, made[-1].log
+        return made[-1]
+
+    yield make
+    for instance in made:
+        instance.free()
+
+
+def test_points_within_a_step(watched, new):
+    """Outputs at tenths of it are those of a run with tenths as steps; the end is that of one without."""
+    seen = []
+    instance = watched(lambda self, time: seen.append(self.outputs())).start()
+    other = new().start()
+    expected = []
+    for i in range(5):
+        assert instance.step(0.1 * i, 0.1) == OK
+        assert instance.told == (False, False, False, pytest.approx(0.1 * (i + 1)))
+        for k in range(10):
+            assert other.step(0.1 * i + 0.01 * k, 0.01) == OK
+            expected.append(other.outputs())
+    np.testing.assert_allclose(seen, expected, rtol=1e-6, atol=1e-7)
+    times = [time for time, _ in instance.points]
+    np.testing.assert_allclose(times, 0.01 * np.arange(1, 51), rtol=1e-14)
+    assert [may for _, may in instance.points] == ([True] * 9 + [False]) * 5
+
+    plain = new().start()
+    for i in range(5):
+        assert plain.step(0.1 * i, 0.1) == OK
+    np.testing.assert_allclose(instance.outputs(), plain.outputs(), rtol=1e-6, atol=1e-7)
+
+
+def test_early_return(watched):
+    """At once, later within the step, and not where it is not allowed; the run goes on from there."""
+    instance = watched(lambda self, time: time if time > 0.045 else None).start()
+    assert instance.step(0.0, 0.1) == OK and instance.told[2:] == (True, pytest.approx(0.05))
+    reached = instance.told[3]
+    instance.at = lambda self, time: 0.0765
+    assert instance.step(reached, 0.1) == OK and instance.told[2:] == (True, 0.0765)
+    instance.at = lambda self, time: None
+    assert instance.step(0.0765, 0.0235) == OK and instance.told[2:] == (False, pytest.approx(0.1))
+    instance.at = lambda self, time: 5.0
+    assert instance.step(0.1, 0.1) == OK and instance.told[2:] == (False, pytest.approx(0.2))
+
+    plain = watched(early=False, at=lambda self, time: time).start()
+    assert plain.step(0.0, 0.2) == OK and plain.told[2:] == (False, 0.2)
+    assert not any(may for _, may in plain.points)
+    np.testing.assert_allclose(instance.outputs(), plain.outputs(), rtol=1e-6, atol=1e-7)
+
+
+def test_what_may_be_asked_within_a_step(watched, arms):
+    """Values and derivatives; nothing that would change it."""
+    told = []
+
+    def ask(self, time):
+        outputs = arms[1].names("output")
+        torque = self.derivatives("Directional", outputs, ["shoulder.torque"], [1.0], len(self.outputs()))
+        refused = [
+            self.set({"shoulder.torque": 1.0}),
+            self.step(time, 0.01),
+            self.call("fmi3Reset"),
+            self.call("fmi3Terminate"),
+            self.call("fmi3GetFMUState", ctypes.byref(c_void_p())),
+        ]
+        told.append(
+            (self.get("time")[1] == [time], torque[0], self.output_derivatives(outputs, 1)[0], refused)
+        )
+
+    instance = watched(ask).start()
+    assert instance.step(0.0, 0.1) == OK
+    assert told == [(True, OK, OK, [ERROR] * 5)] * 10
+    assert "intermediate update" in instance.message
+
+
+def test_a_discarded_step_with_points(watched):
+    """What was seen of it does not count: the FMU is as before the call."""
+    instance = watched().start()
+    run(instance, 5)
+    before = instance.serialise(instance.save())
+    assert instance.set({"shoulder.torque": 1e30}) == OK
+    assert instance.step(0.05, 0.01) == DISCARD
+    assert instance.told == (False, False, False, 0.05)
+    assert instance.set({"shoulder.torque": 3 * np.sin(5 * 0.04)}) == OK
+    assert instance.serialise(instance.save()) == before

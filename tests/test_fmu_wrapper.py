@@ -2,18 +2,19 @@
 
 import ctypes
 import itertools
+import math
 import os
 import struct
 import subprocess
 import sys
 import zlib
-from ctypes import byref, c_double, c_int, c_size_t, c_void_p
+from ctypes import byref, c_double, c_size_t, c_void_p
 from pathlib import Path
 
 import fmu_host
 import numpy as np
 import pytest
-from fmu_host import DISCARD, ERROR, OK, Instance, Library
+from fmu_host import DISCARD, ERROR, OK, WARNING, Instance, Library
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
@@ -476,15 +477,67 @@ def test_stop_time(new):
     assert instance.step(t, 0.1) == ERROR
     assert "after the stop time 1 s" in instance.message
 
-    for tolerance in (-1.0, 0.0, float("nan"), float("inf")):
-        instance = new()
-        given = 1, c_double(tolerance), c_double(0.0), 0, c_double(0.0)
-        assert instance.call("fmi2SetupExperiment", *given) == ERROR and "tolerance" in instance.message
-    given = 1, c_double(1e-4), c_double(0.0), 0, c_double(0.0)
-    assert instance.call("fmi2SetupExperiment", *given) == OK and "the scene's own" in instance.message
-
     assert new().setup(0.0, -1.0) == ERROR
     assert new().setup(float("nan")) == ERROR
+
+
+def with_tolerance(instance, tolerance):
+    """The status of the call that tells it."""
+    return instance.call("fmi2SetupExperiment", 1, c_double(tolerance), c_double(0.0), 0, c_double(0.0))
+
+
+@pytest.mark.parametrize("wrong", [-1.0, 0.0, 1e-15, 0.2, math.nan, math.inf])
+def test_absurd_tolerances_are_refused(new, pendulum_library, wrong):
+    instance = new(pendulum_library)
+    assert with_tolerance(instance, wrong) == ERROR
+    assert "must be from 1e-14 to 0.1" in instance.message
+    assert instance.start().step(0.0, 0.01) == OK
+
+
+def test_fixed_steps_have_no_tolerance(new):
+    plain, told = new().start(), new()
+    assert with_tolerance(told, 1e-4) == OK and "takes fixed steps" in told.message
+    assert told.enter() == told.exit() == told.step(0.0, 0.1) == plain.step(0.0, 0.1) == OK
+    assert told.outputs() == plain.outputs()
+
+
+def test_whose_tolerance_counts(new, pendulum_library):
+    """A parameter that was set, else the master's, else the scene's; a looser one is told."""
+    names = "solver.tolerance", "solver.absolute_tolerance"
+
+    def outcome(tolerance=None, before=None, after=None):
+        instance = new(pendulum_library)
+        assert instance.set(before or {}) == OK
+        assert (instance.setup() if tolerance is None else with_tolerance(instance, tolerance)) == OK
+        warned = any("looser" in text for status, _, text in instance.log if status == WARNING)
+        assert instance.set(after or {}) == instance.enter() == instance.exit() == OK
+        for i in range(20):
+            assert instance.step(0.05 * i, 0.05) == OK
+        return instance.get(*names)[1], instance.outputs(), warned
+
+    scene, own, warned = outcome()
+    assert outcome(scene[0]) == (scene, own, False)
+
+    loose, rough, warned = outcome(1e-4)
+    assert warned and loose == [1e-4, pytest.approx(scene[1] * 1e-4 / scene[0])] and rough != own
+    assert outcome(before=dict(zip(names, loose)))[1] == rough
+
+    tight, _, warned = outcome(1e-11)
+    assert not warned and tight == [1e-11, pytest.approx(scene[1] * 1e-11 / scene[0])]
+
+    given = {"solver.tolerance": 1e-6}
+    for order in ({"before": given}, {"after": given}):
+        found, _, warned = outcome(1e-4, **order)
+        assert found[0] == 1e-6
+    assert outcome(1e-4, before={"solver.tolerance": scene[0]})[0][0] == scene[0]
+    assert outcome(1e-4, before=dict(zip(names, scene)))[:2] == (scene, own)
+
+    # a second call forgets the first, and a reset both
+    instance = new(pendulum_library)
+    assert with_tolerance(instance, 1e-4) == instance.setup() == instance.enter() == OK
+    assert instance.get(*names)[1] == scene
+    assert instance.set(given) == instance.reset() == with_tolerance(instance, 1e-4) == instance.enter() == OK
+    assert instance.get(*names)[1] == loose
 
 
 def counts_of_time(H, n, start=0.0):
@@ -566,12 +619,6 @@ def test_statuses_without_meaning(arm):
             assert arm.call(f"fmi2Get{function}", kind, byref(value)) == DISCARD
     real = c_double()
     assert arm.call("fmi2GetRealStatus", fmu_host.TERMINATED, byref(real)) == DISCARD
-
-
-def test_no_output_derivatives(arm):
-    result = (c_double * 1)()
-    given = (ctypes.c_uint * 1)(2), c_size_t(1), (c_int * 1)(1), result
-    assert arm.call("fmi2GetRealOutputDerivatives", *given) == ERROR
 
 
 # input derivatives
@@ -727,6 +774,15 @@ print([x.hex() for x in instance.outputs()])
     for i in range(20, 120):
         assert arm.step(i * 0.01, 0.01) == OK
     assert there.stdout.strip() == str([x.hex() for x in arm.outputs()])
+
+
+def test_a_state_begins_with_a_word_of_zeros(arm):
+    """fmusim 0.0.39 takes the first word of a state for a pointer to it: NULL is refused, and nothing falls."""
+    snapshot = arm.save()
+    first = ctypes.cast(snapshot, ctypes.POINTER(ctypes.c_uint64))[0]
+    assert first == 0 and arm.serialise(snapshot)[:8] == bytes(8)
+    assert arm.call("fmi2SerializedFMUstateSize", c_void_p(first or None), byref(c_size_t())) == ERROR
+    assert arm.forget(snapshot) == OK
 
 
 def test_damaged_states_are_refused(new, arm, pendulum_library):

@@ -2,13 +2,12 @@
 
 import os
 from datetime import UTC, datetime
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 from lxml import etree
 
 from ..units import UNITS
-from . import standard
+from . import limits, standard
 
 LOG_CATEGORIES = {
     "logEvents": "Life of the instance: initialisation, reset, termination",
@@ -41,7 +40,9 @@ def description(model) -> bytes:
     )
 
     _kinds(root, model)
-    add_units(root, {v.unit for v in model.listed})
+    units = {v.unit for v in model.listed}
+    add_units(root, units)
+    add_types(root, units, 2)
     add_log_categories(root)
     add_experiment(root, model.scene)
     _variables(root, model)
@@ -52,7 +53,7 @@ def description(model) -> bytes:
 
 def checked(root, model, fmi: int) -> bytes:
     """The XML as UTF-8. Raises DescriptionError where it does not keep to the schema of this version of FMI."""
-    schema = _schema(fmi)
+    schema = standard.schema(fmi, f"fmi{fmi}ModelDescription")
     if not schema.validate(root):
         faults = "\n".join(f"  line {error.line}: {error.message}" for error in schema.error_log)
         raise DescriptionError(f"modelDescription.xml of '{model.name}' is not valid:\n{faults}")
@@ -86,14 +87,6 @@ def generation_time() -> datetime:
     return datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
 
 
-@cache
-def _schema(fmi: int) -> etree.XMLSchema:
-    """The schema of a version of FMI, which fmpy carries."""
-    folder = standard.folder() / "schema" / f"fmi{fmi}"
-
-    return etree.XMLSchema(file=str(folder / f"fmi{fmi}ModelDescription.xsd"))
-
-
 def _kinds(root, model) -> None:
     """Model exchange, where the model can, and co-simulation."""
     common = {
@@ -114,10 +107,15 @@ def _kinds(root, model) -> None:
         "CoSimulation",
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="true",
-        maxOutputDerivativeOrder="0",
+        maxOutputDerivativeOrder=output_order(model),
         canRunAsynchronuously="false",
         **common,
     )
+
+
+def output_order(model) -> str:
+    """The highest derivative of outputs by time: none where inputs command motions, whose course is not known."""
+    return "0" if model.n_command else "2"
 
 
 def add_units(root, used: set[str | None]) -> None:
@@ -137,6 +135,32 @@ def add_units(root, used: set[str | None]) -> None:
             etree.SubElement(element, "DisplayUnit", name=display, factor=repr(factor))
 
 
+def add_types(root, used: set[str | None], fmi: int) -> None:
+    """Definitions of the quantities that occur, each by its unit: a type that its variables declare."""
+    quantities = {UNITS[name].quantity: name for name in sorted(name for name in used if name)}
+    quantities.pop("", None)
+    if not quantities:
+        return
+
+    definitions = etree.SubElement(root, "TypeDefinitions")
+    for quantity, unit in sorted(quantities.items()):
+        if fmi == 2:
+            kind = etree.SubElement(etree.SubElement(definitions, "SimpleType", name=quantity), "Real")
+        else:
+            kind = etree.SubElement(definitions, "Float64Type", name=quantity)
+
+        kind.set("quantity", quantity)
+        set_unit(kind, unit)
+
+
+def set_type(element, unit: str | None) -> None:
+    """The quantity of a variable, and its unit once more for those who do not look up types."""
+    if unit and UNITS[unit].quantity:
+        element.set("declaredType", UNITS[unit].quantity)
+
+    set_unit(element, unit)
+
+
 def set_unit(element, unit: str | None) -> None:
     """The unit of a variable, and the one to show it in: angles are shown in degrees."""
     if unit:
@@ -144,6 +168,13 @@ def set_unit(element, unit: str | None) -> None:
 
         if UNITS[unit].rad and UNITS[unit].display:
             element.set("displayUnit", UNITS[unit].display[0][0])
+
+
+def set_limits(element, found: limits.Limits) -> None:
+    """The least and the largest value of a variable."""
+    for name, value in zip(("min", "max"), found):
+        if value is not None:
+            element.set(name, repr(value))
 
 
 def add_log_categories(root) -> None:
@@ -182,7 +213,7 @@ def _variables(root, model) -> None:
     variables = etree.SubElement(root, "ModelVariables")
     states = {v.index: k for k, v in enumerate(model.listed, 1) if v.causality == "state"}
 
-    for reference, variable in enumerate(model.listed):
+    for reference, (variable, between) in enumerate(zip(model.listed, limits.limits_of(model))):
         element = etree.SubElement(
             variables,
             "ScalarVariable",
@@ -196,7 +227,8 @@ def _variables(root, model) -> None:
             element.set("initial", initial)
 
         real = etree.SubElement(element, "Real")
-        set_unit(real, variable.unit)
+        set_type(real, variable.unit)
+        set_limits(real, between)
         if variable.start is not None:
             real.set("start", repr(float(variable.start)))
         if variable.causality == "state":

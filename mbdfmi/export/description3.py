@@ -7,15 +7,19 @@ stands time.
 from lxml import etree
 
 from ..compiler.variables import ArrayVariable, arrays
+from . import limits
 from .description import (
     INITIAL,
     MOST_LISTED,
     add_experiment,
     add_log_categories,
+    add_types,
     add_units,
     causality_in_fmi,
     checked,
-    set_unit,
+    output_order,
+    set_limits,
+    set_type,
     texts_of,
 )
 
@@ -32,7 +36,9 @@ def description3(model) -> bytes:
     )
     found = arrays(model.listed)
     _kinds(root, model)
-    add_units(root, {"s", *map(_unit, found)})
+    units = {"s", *map(_unit, found)}
+    add_units(root, units)
+    add_types(root, units, 3)
     add_log_categories(root)
     add_experiment(root, model.scene)
     _variables(root, model, found)
@@ -47,7 +53,7 @@ def _kinds(root, model) -> None:
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
         "providesDirectionalDerivatives": "true",
-        "providesAdjointDerivatives": "false",
+        "providesAdjointDerivatives": "true",
         "providesPerElementDependencies": "false",
     }
 
@@ -58,10 +64,10 @@ def _kinds(root, model) -> None:
         root,
         "CoSimulation",
         canHandleVariableCommunicationStepSize="true",
-        maxOutputDerivativeOrder="0",
-        providesIntermediateUpdate="false",
+        maxOutputDerivativeOrder=output_order(model),
+        providesIntermediateUpdate="true",
         mightReturnEarlyFromDoStep="false",
-        canReturnEarlyAfterIntermediateUpdate="false",
+        canReturnEarlyAfterIntermediateUpdate="true",
         hasEventMode="false",
         **common,
     )
@@ -77,6 +83,7 @@ def _variables(root, model, found: list[ArrayVariable]) -> None:
     """The variables, time behind them."""
     variables = etree.SubElement(root, "ModelVariables")
     states = {a.elements[0].index: a.first for a in found if a.elements[0].causality == "state"}
+    between = limits.limits_of(model)
 
     for array in found:
         variable = array.elements[0]
@@ -91,7 +98,8 @@ def _variables(root, model, found: list[ArrayVariable]) -> None:
         )
         if initial := INITIAL.get(variable.causality, "calculated"):
             element.set("initial", initial)
-        set_unit(element, _unit(array))
+        set_type(element, _unit(array))
+        set_limits(element, limits.widest(between[array.first : array.first + len(array.elements)]))
         if starts := [repr(float(v.start)) for v in array.elements if v.start is not None]:
             element.set("start", " ".join(starts))
         if variable.causality == "state":
@@ -110,6 +118,7 @@ def _variables(root, model, found: list[ArrayVariable]) -> None:
         causality="independent",
         variability="continuous",
         unit="s",
+        declaredType="Time",
     )
 
 

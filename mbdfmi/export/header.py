@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from ..compiler.model import SEALED_SIZES
 from ..compiler.variables import KINDS, TABLE
-from ..kernels import entry, layout, loops, signatures, status, views
+from ..kernels import entry, layout, loops, prepare, signatures, status, views
 from ..kernels.language import APART
 from ..kernels.motion.commands import N_DERIVATIVE
 from ..native.library import TABLE as TABLE_NAME
@@ -122,7 +122,11 @@ enum {{
 #define NOTICE_WIDTH {layout.ARRAY["notice"].width}
 
 /* Inputs are values and their derivatives, n_u of each. */
-#define N_DERIVATIVE {N_DERIVATIVE}"""
+#define N_DERIVATIVE {N_DERIVATIVE}
+
+/* Between which a tolerance must be. */
+#define LEAST_TOLERANCE {prepare.LEAST_TOLERANCE!r}
+#define LARGEST_TOLERANCE {prepare.LARGEST_TOLERANCE!r}"""
 
 
 def _entries() -> str:

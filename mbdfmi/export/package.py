@@ -8,6 +8,7 @@ from pathlib import Path
 from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
 from ..native.platforms import PLATFORMS, host_platform
+from . import terminals
 from .description import description, generation_time
 from .description3 import description3
 from .documentation import documentation
@@ -55,9 +56,12 @@ def export_fmu(
 
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
+    icon = pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes()
     files = {
         "modelDescription.xml": DESCRIPTIONS[fmi](model),
-        "model.png": pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes(),
+        "model.png": icon,
+        terminals.NAME: terminals.terminals(model, fmi),
+        terminals.ICON: icon,
         "documentation/index.html": documentation(model, chosen, fmi, PICTURE if pictures else None),
         "documentation/licenses/license.txt": _licence(),
         f"resources/{NAME}": resource(model, MESSAGES),

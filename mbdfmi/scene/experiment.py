@@ -10,8 +10,8 @@ class Experiment(Part):
 
     start, stop : s.
     step : s, from one communication point to the next.
-    tolerance : relative, of solvers outside in model exchange; the solver's own when left out, as far as it has one. In
-        co-simulation that of the solver counts.
+    tolerance : relative; the solver's own when left out, as far as it has one. A tool that takes it up gives it to its own
+        solver in model exchange, and to the scene's in co-simulation, where it then counts instead of `solver.tolerance`.
     """
 
     start: Number = 0.0

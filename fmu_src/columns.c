@@ -1,0 +1,301 @@
+#include "columns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "aside.h"
+#include "kernels.h"
+#include "variables.h"
+
+/* What inputs that are efforts move by: all is affine in them, and what does not depend on them is to be
+   small beside it. */
+#define LARGE 0x1p30
+
+/* Parts of the largest number of its array, and any number, below which a parameter is as good as 0. */
+#define SMALL_PART 1e-3
+#define SMALLEST   1e-13
+
+#define N_SAMPLE 6
+
+/* Differences: where knowns move to, in strides, and what comes of it counts; the stride is a part of
+   their sizes, at which what is left out is as small as rounding. */
+typedef struct {
+    int n;
+    double stride, place[N_SAMPLE], weight[N_SAMPLE];
+} Formula;
+
+/* of order 6 */
+static const Formula CENTRAL = {6,
+                                6e-3,
+                                {1, -1, 2, -2, 3, -3},
+                                {45.0 / 60, -45.0 / 60, -9.0 / 60, 9.0 / 60, 1.0 / 60, -1.0 / 60}};
+
+/* of order 4, of parameters that are 0 and often cannot be less */
+static const Formula FORWARD = {
+    5, 1e-3, {0, 1, 2, 3, 4}, {-25.0 / 12, 48.0 / 12, -36.0 / 12, 16.0 / 12, -3.0 / 12}};
+
+static const Formula AFFINE = {2, LARGE, {0, 1}, {-1, 1}};
+
+typedef struct Columns {
+    uint64_t point;          /* of the instance, that all this is of */
+    size_t asked;            /* evaluations along more than one known */
+    double **column[N_PART]; /* by value reference, NULL: not known yet */
+    double *base[N_PART];    /* the unknowns there */
+    bool has_base[N_PART];
+} Columns;
+
+size_t columns_height(const Instance *c, Part part)
+{
+    return part == OUTPUTS ? (size_t)c->resource.n.y : (size_t)c->ints[COUNT_n_x];
+}
+
+static void forget(Instance *c)
+{
+    Columns *k = c->columns;
+
+    for (int part = 0; part < N_PART; part++) {
+        for (int64_t i = 0; k->column[part] && i < c->resource.n.variables; i++) {
+            free(k->column[part][i]);
+            k->column[part][i] = NULL;
+        }
+        k->has_base[part] = false;
+    }
+    k->asked = 0;
+    k->point = c->point;
+}
+
+void columns_free(Instance *c)
+{
+    Columns *k = c->columns;
+
+    if (!k) return;
+    forget(c);
+    for (int part = 0; part < N_PART; part++) {
+        free(k->column[part]);
+        free(k->base[part]);
+    }
+    free(k);
+    c->columns = NULL;
+}
+
+/* What is kept, of the instance as it is now; NULL when there is no memory. */
+static Columns *columns_of(Instance *c)
+{
+    if (!c->columns) {
+        Columns *k = c->columns = calloc(1, sizeof *k);
+        if (!k) return NULL;
+
+        bool complete = true;
+
+        for (int part = 0; part < N_PART; part++) {
+            k->column[part] = calloc((size_t)c->resource.n.variables + 1, sizeof(double *));
+            k->base[part] = malloc((columns_height(c, part) + 1) * sizeof(double));
+            complete = complete && k->column[part] && k->base[part];
+        }
+        if (!complete) {
+            columns_free(c);
+            return NULL;
+        }
+        k->point = c->point;
+    }
+    if (c->columns->point != c->point) forget(c);
+    return c->columns;
+}
+
+size_t *columns_asked(Instance *c)
+{
+    Columns *k = columns_of(c);
+
+    return k ? &k->asked : NULL;
+}
+
+bool columns_has(const Instance *c, uint32_t known, Part part)
+{
+    const Columns *k = c->columns;
+
+    return k && k->point == c->point && k->column[part][known];
+}
+
+static const double *unknowns(const Instance *c, Part part)
+{
+    return part == OUTPUTS ? c->y : c->rates;
+}
+
+static void keep_base(Instance *c, Part part)
+{
+    memcpy(c->columns->base[part], unknowns(c, part), columns_height(c, part) * sizeof(double));
+    c->columns->has_base[part] = true;
+}
+
+/* Between this and aside_end knowns may move. */
+static Status begin(Instance *c)
+{
+    if (!columns_of(c)) return instance_refuse(c, "out of memory");
+
+    Status result = aside_begin(c);
+    if (result != STATUS_OK) return result;
+    if (c->current) keep_base(c, OUTPUTS);
+    if (c->is_rated) keep_base(c, RATES);
+    return STATUS_OK;
+}
+
+static Status evaluate(Instance *c, Part part)
+{
+    return part == OUTPUTS ? instance_outputs(c) : instance_rates(c);
+}
+
+/* The unknowns where the instance is, once. */
+static Status find_base(Instance *c, Part part)
+{
+    if (c->columns->has_base[part]) return STATUS_OK;
+    aside_return(c);
+
+    Status result = evaluate(c, part);
+    if (result == STATUS_OK) keep_base(c, part);
+    return result;
+}
+
+/* The knowns moved by h along the seed. */
+static void move(Instance *c, const uint32_t known[], size_t n, const double seed[], double h)
+{
+    aside_return(c);
+    for (size_t i = 0; i < n; i++) {
+        int64_t kind = c->resource.variables[known[i]].kind;
+
+        if (seed[i] == 0) continue;
+        *variables_place(c, known[i]) += h * seed[i];
+        if (kind == VARIABLE_TUNABLE) c->core->prepared = 0;
+        if (c->core->mode == INITIALIZATION) c->core->started = 0;
+    }
+}
+
+/* Adds the differences of a formula along the seed to sum[]. */
+static Status differ(Instance *c, const Formula *formula, double h, const uint32_t known[],
+                     size_t n, const double seed[], Part part, double sum[])
+{
+    Status result = STATUS_OK;
+    size_t height = columns_height(c, part);
+
+    for (int i = 0; i < formula->n && result == STATUS_OK; i++) {
+        const double *value = unknowns(c, part);
+
+        if (formula->place[i] == 0) {
+            result = find_base(c, part);
+            value = c->columns->base[part];
+        } else {
+            move(c, known, n, seed, formula->place[i] * h);
+            result = evaluate(c, part);
+        }
+        double weight = formula->weight[i] / h;
+        for (size_t k = 0; k < height && result == STATUS_OK; k++) sum[k] += weight * value[k];
+    }
+    return result;
+}
+
+/* ---- sizes ---- */
+
+/* Whether it is an effort, which all that follows is affine in; a commanded motion is none. */
+static bool is_effort(const Instance *c, uint32_t vr)
+{
+    return c->resource.variables[vr].kind == VARIABLE_INPUT && c->ints[COUNT_n_command] == 0;
+}
+
+/* The largest number of the array that a variable is an element of. */
+static double largest_of_array(const Instance *c, uint32_t vr)
+{
+    const Variable *variables = c->resource.variables;
+    uint32_t first = vr;
+    double largest = 0;
+
+    while (first > 0 && variables[first].length == 0) first--;
+    for (int64_t k = 0; k < variables[first].length; k++)
+        largest = fmax(largest, fabs(*variables_place(c, first + (uint32_t)k)));
+    return largest;
+}
+
+/* How large a known is, or may be; of a parameter that is 0, *none. */
+static double size_of(const Instance *c, uint32_t vr, bool *none)
+{
+    const Variable *variable = &c->resource.variables[vr];
+    double value = fabs(*variables_place(c, vr));
+
+    if (variable->kind == VARIABLE_STATE) return c->reals[c->ints[AT_x_nominal] + variable->index];
+    if (variable->kind == VARIABLE_TUNABLE) {
+        double least = SMALL_PART * largest_of_array(c, vr);
+
+        *none = *none || value == 0;
+        value = fmax(value, least);
+    }
+    return value > SMALLEST ? value : 1;
+}
+
+/* h such that a known of this value moves by multiples of it without rounding. */
+static double without_rounding(double value, double h)
+{
+    double far = 8 * fabs(value);
+    double snapped = far + h - far;
+
+    return snapped > 0 ? snapped : h;
+}
+
+Status columns_add_along(Instance *c, const uint32_t known[], size_t n, const double seed[],
+                         Part part, double sum[])
+{
+    bool none = false;
+    size_t others = 0;
+    double h = INFINITY, largest = 0, last = 0;
+    double *of_efforts = calloc(2 * n + 1, sizeof(double));
+
+    if (!of_efforts) return instance_refuse(c, "out of memory");
+
+    double *of_others = of_efforts + n;
+    Status result = begin(c);
+
+    if (result != STATUS_OK) {
+        free(of_efforts);
+        return result;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (seed[i] == 0) continue;
+        if (is_effort(c, known[i])) {
+            of_efforts[i] = seed[i];
+            largest = fmax(largest, fabs(seed[i]) / fmax(1, fabs(*variables_place(c, known[i]))));
+        } else {
+            of_others[i] = seed[i];
+            others++;
+            last = copysign(*variables_place(c, known[i]), seed[i]);
+            h = fmin(h, size_of(c, known[i], &none) / fabs(seed[i]));
+        }
+    }
+    if (largest > 0) result = differ(c, &AFFINE, LARGE / largest, known, n, of_efforts, part, sum);
+    h *= none ? FORWARD.stride : CENTRAL.stride;
+    if (others == 1) h = copysign(without_rounding(last, h), none ? last : h);
+    if (others > 0 && result == STATUS_OK)
+        result = differ(c, none ? &FORWARD : &CENTRAL, h, known, n, of_others, part, sum);
+    aside_end(c);
+    free(of_efforts);
+    return result;
+}
+
+const double *columns_get(Instance *c, uint32_t known, Part part, Status *result)
+{
+    static const double one = 1;
+
+    *result = STATUS_OK;
+    if (columns_has(c, known, part)) return c->columns->column[part][known];
+
+    Columns *k = columns_of(c);
+    double *column = k ? calloc(columns_height(c, part) + 1, sizeof(double)) : NULL;
+
+    if (!column) {
+        *result = instance_refuse(c, "out of memory");
+        return NULL;
+    }
+    *result = columns_add_along(c, &known, 1, &one, part, column);
+    if (*result != STATUS_OK) {
+        free(column);
+        return NULL;
+    }
+    return c->columns->column[part][known] = column;
+}
