@@ -16,6 +16,7 @@ RUNS = {
     "bricard": (6.0, 0.8),
     "cam_follower": (0.6, 0.1),
     "double_pendulum": (6.0, 1.2),
+    "floating_crane": (660.0, 640.0),
     "floating_wind_turbine": (30.0, 1.0),
     "four_bar": (5.0, 0.4),
     "marble_run": (1.6, 0.5),

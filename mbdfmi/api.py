@@ -171,6 +171,12 @@ class Scene(_scene.SceneData):
 
         return trim(self._whole(), find, keep, **options)
 
+    def righting(self, hull=None, axis="x", **options):
+        """The righting-arm curve of a hull that floats; see `mbdfmi.analysis.righting.righting`."""
+        from .analysis.righting import righting
+
+        return righting(self._whole(), hull, axis, **options)
+
     def compare_steppers(self, until, step=None, **options):
         """Error against cost of every stepper on this scene; see
         `mbdfmi.analysis.comparison.compare_steppers`.

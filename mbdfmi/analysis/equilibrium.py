@@ -21,6 +21,9 @@ ITERATIONS = 400
 # iterations of Newton's method from a drawn start
 STRAIGHT = 60
 
+# rad, parts of the scene's length, that are rounding
+ROUNDING = 1e-16
+
 # a step (rad, parts of the scene's length) from which on Newton's method finishes, and the last ones
 CLOSE = 1e-5
 FINISHING = 8
@@ -93,6 +96,15 @@ def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
         manifold.look()
 
     return manifold, rest
+
+
+def descend(manifold) -> Rest:
+    """Brings what a manifold looks at downhill to an equilibrium, its drives being held. Raises
+    NoEquilibrium.
+    """
+    search = _Search(manifold)
+    count = search.run()
+    return Rest(search.squares, search.shapes, search.error, count)
 
 
 def approach(mechanism, draw, far, downhill=True) -> tuple[Manifold, Rest]:
@@ -263,36 +275,34 @@ class _Search:
 
     def _newton(self, neutral):
         """The step of Newton's method, none along motions without stiffness."""
-        if not neutral.any():
-            return np.linalg.solve(self.L.T, np.linalg.solve(self.K, self.force))
+        return self._inverse(neutral) @ self.pull
 
+    def _inverse(self, neutral):
+        """Steps by accelerations."""
         held = self.own[:, ~neutral]
-        return np.linalg.solve(self.L.T, held @ np.linalg.solve(held.T @ self.K @ held, held.T @ self.force))
+        # far from equilibrium the stiffness is not symmetric, and may be singular otherwise
+        inverse = np.linalg.pinv(held.T @ self.K @ held, rcond=NEUTRAL)
+        return np.linalg.solve(self.L.T, held @ inverse @ held.T @ self.L.T)
 
     def _finish(self, neutral):
         """Newton's method as long as it comes closer."""
         manifold = self.manifold
-        held = np.linalg.solve(self.L.T, self.own[:, ~neutral])
-        inverse = held @ np.linalg.solve(
-            self.own[:, ~neutral].T @ self.K @ self.own[:, ~neutral], self.own[:, ~neutral].T @ self.L.T
-        )
-        step, least = self.newton, np.inf
+        least = np.inf
 
         for _ in range(FINISHING):
-            size = self._size(step)
+            size = self._size(self.newton)
 
-            if size >= 0.5 * least:
+            if size >= 0.5 * least or size <= ROUNDING:
                 break
 
             least = size
-            manifold.put(manifold.V @ step)
-            self._stay()
-            pull = manifold.accelerations()[manifold.speeds]
-            step = inverse @ pull
+            manifold.put(manifold.V @ self.newton)
+            manifold.look()
+            self._see()
+            neutral = np.abs(self.squares) <= NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
+            self.newton = self._newton(neutral)
 
-        self.error = min(least, self._size(step))
-        manifold.look()
-        self._see()
+        self.error = min(least, self._size(self.newton))
 
     def _stay(self):
         """The state that was put is the one looked at; coordinates stay what they are."""

@@ -163,6 +163,7 @@ def _eigen(linear):
             return (*found, free)
 
     values, some = scipy.linalg.eig(A[np.ix_(kept, kept)]) if len(kept) else (np.zeros(0), np.zeros((0, 0)))
+    values = np.where(np.abs(values) <= NOTHING * np.abs(values).max(initial=0.0), 0.0, values)
     vectors = np.zeros((len(A), len(kept)), complex)
     vectors[kept] = some
     left_out = np.setdiff1d(np.arange(len(A)), kept)

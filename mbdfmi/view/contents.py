@@ -222,8 +222,11 @@ def _hulls(scene, name, colour):
 
 
 def _water(scene, size):
-    """The plane z = 0 where something floats in it, while the ground stands still."""
-    if scene.ground.motion or not any(force.kind == "hydrostatics" for force in scene.force.values()):
+    """The plane z = 0 where something floats in it, the ground stands still and no other water is drawn."""
+    if scene.view.water is not None or scene.ground.motion:
+        return []
+
+    if not any(force.kind == "hydrostatics" for force in scene.force.values()):
         return []
 
     plane = np.array([2.0 * size, 2.0 * size, 1e-4 * size])

@@ -8,7 +8,7 @@ from ..settings import settings_of
 from ..tables import print_table, table_of, vector
 from ..terminal import doing_here, note, out
 
-STABLE = {True: "stable", False: "not stable", None: "neither comes back nor leaves"}
+STABLE = {True: "stable", False: "not stable", None: "stable, but for motions without stiffness"}
 
 
 def add(commands):

@@ -48,6 +48,9 @@ values or those given; SI units.""",
         help="a joint whose speeds shall not change, or all; may be repeated",
     )
     command.add_argument("--rest", action="store_true", help="the conditions hold in the static equilibrium")
+    command.add_argument(
+        "--time", type=float, default=0.0, metavar="T", help="time of drives and loads, s (default: 0)"
+    )
     command.add_argument("--write", metavar="FILE", help="write the scene with the start that was found")
     add_settings(command)
 
@@ -68,7 +71,14 @@ def run(options):
 
     with doing_here("trimming") as tell:
         found = scene.trim(
-            find, keep, steady=steady, rest=options.rest, hold=hold, parameters=parameters, progress=tell
+            find,
+            keep,
+            steady=steady,
+            rest=options.rest,
+            hold=hold,
+            parameters=parameters,
+            time=options.time,
+            progress=tell,
         )
 
     table = table_of("found", "value", "unit", numbers=("value",))
