@@ -146,7 +146,8 @@ class Scene(_scene.SceneData):
         """
         from .analysis.linearise import linearise
 
-        given = {key: options[key] for key in ("hold", "parameters") if key in options}
+        given = {"hold": options.get("hold"), "parameters": options.get("parameters")}
+        given["parameters"] = given["parameters"] if isinstance(given["parameters"], dict) else None
         return linearise(self._starting(**given), inputs, outputs, at, **options)
 
     def equilibrium(self, **options):

@@ -355,3 +355,45 @@ def test_a_loop_of_a_moving_run_is_that_of_its_state():
     E = scene.simulate(0.4, 0.4).poses("left")[1][-1]
     assert np.abs(moving.A - [[0, 1], [-moment / inertia * (1 - 2 * E[1] ** 2), 0]]).max() < 1e-9
     assert any("not steady" in notice for notice in moving.notices)
+
+
+def test_rest_and_frequencies_change_with_parameters_as_closed_forms_do():
+    """A bar on a spring in the hinge: k a = m g l cos a; w^2 = (k - m g l sin(a) ...) / J."""
+    mass, arm, stiffness, inertia = 2.0, 0.5, 30.0, 0.1
+    scene = Scene(
+        name="bar",
+        gravity=[0, 0, -9.81],
+        body={
+            "bar": {
+                "mass": mass,
+                "com": [arm, 0, 0],
+                "inertia": [0, inertia, inertia],
+                "output": ["position"],
+            }
+        },
+        joint={
+            "hinge": {
+                "revolute": {"axis": "y"},
+                "between": ["ground", "bar"],
+                "spring": {"stiffness": stiffness},
+                "output": ["angle"],
+            }
+        },
+    )
+
+    def rest(k, m):
+        angle = scipy.optimize.brentq(lambda a: k * a - m * 9.81 * arm * np.cos(a), 0, 1.5, xtol=1e-16)
+        return angle, np.sqrt((k + m * 9.81 * arm * np.sin(angle)) / (inertia + m * arm**2)) / (2 * np.pi)
+
+    def slope(of, at):
+        h = 1e-3 * at
+        f = [np.array(of(at + j * h)) - np.array(of(at - j * h)) for j in (1, 2, 3)]
+        return (0.75 * f[0] - 0.15 * f[1] + f[2] / 60) / h
+
+    linear = scene.linearise(parameters=["hinge.stiffness", "bar.mass"])
+    found = linear.sensitivities
+    right = np.array([slope(lambda k: rest(k, mass), stiffness), slope(lambda m: rest(stiffness, m), mass)]).T
+    assert np.abs(found.places["hinge.angle"] / right[0] - 1).max() < 1e-8
+    assert np.abs(found.outputs["hinge.angle"] / right[0] - 1).max() < 1e-8
+    assert np.abs(found.frequencies[0] / right[1] - 1).max() < 1e-8
+    assert np.abs(found.damping).max() < 1e-10

@@ -20,12 +20,13 @@ SIXTH = np.array([3 / 4, -3 / 20, 1 / 60, 0.0])
 FOURTH = np.array([2 / 3, -1 / 12, 0.0, 0.0])
 
 
-def derivative(function, step=STEP, rows=slice(None), even=False):
+def derivative(function, step=STEP, rows=slice(None), even=False, tries=TRIES):
     """(f'(0), relative error) of a function of a number that returns (n,), by differences of order 8.
 
     The step is made shorter as long as that helps: the error, estimated by those of lower order, is at
     rounding or no longer falls. rows : those by whose size the error is measured. What raises ArithmeticError
-    is not there so far off. even : f may well be even, and its derivative 0, which is asked first.
+    is not there so far off. even : f may well be even, and its derivative 0, which is asked
+    first. tries : how many steps at most.
     """
     if even:
         ahead = function(4.0 * step)
@@ -36,7 +37,7 @@ def derivative(function, step=STEP, rows=slice(None), even=False):
 
     best, least, missing = None, np.inf, None
 
-    for _ in range(TRIES):
+    for _ in range(tries):
         try:
             found, error, done = _differences(function, step, rows)
         except ArithmeticError as raised:

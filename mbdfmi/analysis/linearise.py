@@ -3,8 +3,9 @@
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy  # which imports its parts when they are asked for
@@ -40,6 +41,7 @@ class Linear:
     u0, y0 : inputs and outputs of the state. acceleration : (n_speeds,) v' there; rate : (n_states,) x'
         there.
     time : s. inverse_inertia : (n_speeds, n_speeds) accelerations by efforts along the velocities.
+    sensitivities : derivatives by parameters, where they were asked for (`Sensitivities`), else None.
     error : estimated relative error of the derivatives. notices : what a user should be told.
     """
 
@@ -62,6 +64,7 @@ class Linear:
     title: str
     notices: list[str] = field(default_factory=list)
     manifold: Manifold | None = field(default=None, repr=False)
+    sensitivities: Any = None
 
     def state_space(self):
         """The same as scipy.signal.StateSpace."""
@@ -142,7 +145,8 @@ def linearise(
     *,
     axes: str = AUTO,
     hold: Mapping[str, float] | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | Sequence[str] | None = None,
+    by: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Linear:
     """A, B, C, D of a scene about a state, on its constraints, in minimal coordinates.
@@ -156,7 +160,10 @@ def linearise(
         of the joint's first side; by default those in which the motion is steady, if any are
         (`Manifold._frame`). A body that spins about gravity, as a top that sleeps, is seen from itself then;
         "inertial" shows its whirl as seen from outside, if it is round.
-    hold : values of inputs by name. parameters : values other than the scene's, by name.
+    hold : values of inputs by name. parameters : values other than the scene's, by name; or names alone, as
+        `by`.
+    by : names of parameters: `sensitivities` then has derivatives by them of the state, where that is the
+        equilibrium, of outputs, frequencies and damping.
 
     Coordinates are deviations from the state, which may move on. Derivatives are differences of order 8 with
     control of the step; `error` is their estimated error. Raises SimulationError where the state is not
@@ -166,8 +173,20 @@ def linearise(
     if axes not in AXES:
         raise ValueError(f"axes = {axes!r}: write {' or '.join(map(repr, AXES))}")
 
+    if parameters is not None and not isinstance(parameters, Mapping):
+        by = [*by, *([parameters] if isinstance(parameters, str) else parameters)]
+        parameters = None
+
     mechanism, notices = state_at(scene, at, hold, parameters, progress)
-    return about(Manifold(mechanism, axes), inputs, outputs, notices)
+    linear = about(Manifold(mechanism, axes), inputs, outputs, notices)
+
+    if not by:
+        return linear
+
+    from .sensitivity import sensitivities
+
+    found = sensitivities(scene, by, outputs, at, axes, hold, parameters, linear)
+    return replace(linear, sensitivities=found)
 
 
 def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:

@@ -14,6 +14,9 @@ MOST_ROWS = 60
 SHARE = 0.02
 SHARES = 2
 
+# modes in the table of sensitivities
+SHOWN = 8
+
 
 def add(commands):
     """The command and its arguments."""
@@ -32,6 +35,7 @@ the place of a vehicle) is no mode; it is told.""",
   mbdfmi modes arm.toml --at 2.5                                       2.5 s into its run
   mbdfmi modes car.toml --view modes.html                              the shapes, swinging
   mbdfmi modes bike.toml --over forward.speed_start=0:10:41 --plot locus.png
+  mbdfmi modes car.toml --by strut.stiffness --by body.mass            what its frequencies depend on
   mbdfmi modes arm.toml -o arm.mat                                     A, B, C, D for MATLAB
 
 `mbdfmi info SCENE --parameters` lists what --set and --over can change.""",
@@ -51,6 +55,13 @@ the place of a vehicle) is no mode; it is told.""",
         "--over",
         metavar="NAME=A:B:N",
         help="eigenvalues over N values from A to B of a parameter or an input: the root locus (--plot)",
+    )
+    command.add_argument(
+        "--by",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="tell how frequencies change with a parameter, in %% by %%; may be repeated",
     )
     command.add_argument("--plot", metavar="FILE", help="draw the eigenvalues: png, svg or pdf")
     command.add_argument("--csv", metavar="FILE", help="write the root locus as a table")
@@ -99,12 +110,15 @@ def run(options):
         return
 
     with doing_here("linearising") as tell:
-        linear = scene.linearise(
-            None if output else [], None if output else [], options.at, progress=tell, **asked
-        )
+        wanted = None if output else []
+        linear = scene.linearise(wanted, wanted, options.at, by=options.by, progress=tell, **asked)
         modes = linear.modes()
 
     _print(modes)
+
+    if options.by:
+        _print_sensitivities(modes)
+
     note(modes.notices)
 
     if output:
@@ -201,6 +215,19 @@ def _print(modes):
     if grow:
         several = len(grow) > 1
         out.print(f"not stable: mode{'s' * several} {', '.join(grow)} grow{'s' * (not several)}")
+
+
+def _print_sensitivities(modes):
+    """How frequencies change with parameters."""
+    found = modes.linear.sensitivities
+    which = [k for k, mode in enumerate(modes) if mode.oscillates][:SHOWN]
+    headings = [f"mode {k + 1}" for k in which]
+    table = table_of("frequency, % by % of", "value", *headings, numbers=("value", *headings))
+
+    for name, value, parts in zip(found.names, found.values, found.relative(modes).T):
+        table.add_row(name, f"{value:.6g}", *(f"{parts[k] + 0.0:.4g}" for k in which))
+
+    print_table(table)
 
 
 def _motion(manifold, mode):
