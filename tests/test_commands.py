@@ -716,6 +716,61 @@ def test_a_commanded_joint_in_a_loop(formulation):
             assert run.get("rail.speed") == pytest.approx((course[k + 1] - course[k]) / 0.05, abs=0.05)
 
 
+@pytest.mark.parametrize(
+    "solver",
+    [{"integrator": name, "tolerance": 1e-10} for name in ("rk54", "rk853", "radau", "auto")]
+    + [{"integrator": "gauss", "step": 0.01}],
+    ids=lambda solver: solver["integrator"],
+)
+@pytest.mark.parametrize("by", ["speed", "derivative", "positions"])
+def test_a_speed_that_jumps_pulls_a_loop_along(solver, by):
+    """A cart at the end of a rod is suddenly at speed: a particle at the other end is knocked along the rod, then goes around it.
+
+    Whatever tells the speed (a command, the position's derivative, the second position), when nothing came before that
+    the motion could be led on from. Closed form, for every stepper.
+    """
+    length, angle, speed, H = 0.8, 0.7, 1.5, 0.1
+    scene = mbdfmi.Scene(
+        name="towed",
+        gravity=[0, 0, 0],
+        solver=solver,
+        body={"cart": POINT, "p": POINT | {"output": ["position"]}},
+        joint={
+            "j": {
+                "prismatic": {"axis": "x"},
+                "between": ["ground", "cart"],
+                "driver": {"input": ["position", "speed"] if by == "speed" else ["position"]},
+            },
+            "t": {
+                "translation": {},
+                "between": ["ground", "p"],
+                "start": {"position": [length * np.cos(angle), length * np.sin(angle), 0.0]},
+            },
+            "rod": {"distance": {}, "between": ["cart", "p"]},
+        },
+    )
+    run, at = Run(scene), length * np.array([np.cos(angle), np.sin(angle)])
+
+    for k in range(6):
+        run.set({"j.position_command": speed * H * k})
+
+        if by == "speed":
+            run.set({"j.speed_command": speed})
+        elif by == "derivative":
+            run.set({"j.position_command": speed}, 1)
+
+        run.step(H)
+        begun = H if by == "positions" else 0.0
+        t = H * (k + 1) - begun
+
+        if t > 0.0:
+            # where the cart jumped as well, the particle is drawn along the rod
+            angle_then = np.arctan2(at[1], at[0] - speed * begun)
+            turned = angle_then + speed * np.sin(angle_then) / length * t
+            place = np.array([np.cos(turned), np.sin(turned), 0.0]) * length + [speed * H * (k + 1), 0, 0]
+            assert_allclose(run.get("p.position"), place, atol=2e-8)
+
+
 @pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
 @pytest.mark.parametrize("told", [["angle"], ["angle", "speed"]])
 def test_loops_are_where_the_commands_are(formulation, told):

@@ -62,13 +62,13 @@ def step(m, d, H):
     if not H >= 0.0:
         return status(BAD_STEP, 0)
 
-    commands.begin(m, d, H)
+    jumps = commands.begin(m, d, H)
     onward = integrate.inputs_go_on(m, d)
     failure = OK
     reached = H
 
     if m.n_x > 0:
-        failure, reached = integrate.advance(m, d, H, onward)
+        failure, reached = integrate.advance(m, d, H, onward, jumps)
 
     commands.end(m, d, reached)
     advance_time(d, reached)

@@ -128,15 +128,8 @@ def test_what_must_come_of_a_scene(change, verdict):
     assert [finding.verdict for finding in mended.findings(DATA, wanted | change, judged)] == [verdict]
 
 
-COMMANDED = "radau, over uneven communication steps, parts by 2e-5 where values command a prescribed joint: not explained"
-SMALL = [
-    pytest.param(seed, marks=[pytest.mark.xfail(reason=COMMANDED)] if seed == 2002 else [])
-    for seed in range(2000, 2024)
-]
-
-
 @pytest.mark.skipif(INTERPRETED, reason="takes minutes with interpreted kernels")
-@pytest.mark.parametrize("seed", SMALL)
+@pytest.mark.parametrize("seed", range(2000, 2024))
 def test_small_random_scenes_stand(seed):
     """Three bodies or so, in all ways but interpreted: about 2.5 s each."""
     assert judge(draw(seed, size=3), seed).findings == []

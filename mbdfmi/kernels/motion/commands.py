@@ -270,13 +270,18 @@ def settle(m, d, c, position, speed, T):
 
 @kernel
 def begin(m, d, H):
-    """At the start of a communication step of H (s): the courses over it, and what is to be led back."""
+    """At the start of a communication step of H (s): the courses over it, and what is to be led back.
+
+    Returns whether what is driven may jump to them.
+    """
     plan(m, d, H)
     known = d.command_known[0]
     d.command_fresh[0] = 1.0 if known == 0.0 or is_at_rest(m, d) or anything_new(m, d) else 0.0
 
     if known == 0.0:
-        return
+        return m.n_command > 0
+
+    jumps = False
 
     # a short step after a long one does not lead back in a hurry
     T = max(H, d.command_steps[0])
@@ -292,6 +297,8 @@ def begin(m, d, H):
         plain = 3 if turns else m.drive_commands[k]
 
         for i in range(c, c + plain):
+            jumps = jumps or d.command_blind[i] > 0.0
+
             if d.command_blind[i] > 1.0:
                 see_start(m, d, i)
 
@@ -317,6 +324,8 @@ def begin(m, d, H):
                 settle(
                     m, d, c + 3 + i, phi[i], rate[i] - d.command_course[courses.N_COURSE * (c + 3 + i) + 1], T
                 )
+
+    return jumps and not is_at_rest(m, d)
 
 
 @inlined

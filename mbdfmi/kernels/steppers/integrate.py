@@ -10,7 +10,8 @@ front waits in the state. When an input jumps at the communication point, it is 
 """
 
 from ...steppers import STEPPERS
-from ..dynamics.projection import keep_x, restore_x
+from ..dynamics.projection import keep_x, project, restore_x
+from ..dynamics.rates import set_time
 from ..language import inlined, kernel
 from ..motion import commands
 from ..status import CHANGE_METHOD, NOT_STIFF, OK, STIFF, status, tell
@@ -144,16 +145,31 @@ def change_method(m, d):
 
 
 @kernel
-def advance(m, d, H, onward):
-    """The state by H (s); `onward`: inputs stay as they were. Returns (status, time reached within H)."""
+def follow_jump(m, d):
+    """Loops at once where commands jumped to, as rigid bodies are knocked: no step may average over it. Returns a status."""
+    set_time(m, d, 0.0)
+    keep_x(m, d)
+    failure = project(m, d)
+
+    if failure != OK:
+        restore_x(m, d)
+
+    return failure
+
+
+@kernel
+def advance(m, d, H, onward, jumps):
+    """The state by H (s); `onward`: inputs stay as they were; `jumps`: commands do. Returns (status, time reached within H)."""
     if not onward:
         memory.forget(d)
 
     control.limit_work(m, d)
+    failure = follow_jump(m, d) if jumps and m.n_row > 0 else OK
+    reached = 0.0
 
-    if fixed.is_one(m.integrator):
+    if failure == OK and fixed.is_one(m.integrator):
         failure, reached = fixed.equal_steps(m, d, H)
-    else:
+    elif failure == OK:
         failure, reached = adaptive(m, d, H, onward)
 
     if failure != OK:
