@@ -8,7 +8,7 @@ from test_powers import named_outputs
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.run.instance import Instance
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 
 formulations = pytest.mark.parametrize("formulation", ["recursive", "embedding", "augmented"])
@@ -256,3 +256,25 @@ def test_what_cannot_be_meant_is_refused(between, linear, said):
         Scene.model_validate(scene)
 
     assert said in str(failure.value) and "[coupling.bevels]" in str(failure.value)
+
+
+def test_couplings_that_contradict_each_other_are_told():
+    """Not as a loop whose ends are apart: by how much the sum of its joints' positions is off."""
+    block = {"mass": 1.0, "inertia": [1, 1, 1]}
+    ropes = {
+        name: {"linear": {"ratio": 2.0, "offset": offset}, "between": ["left", "right"]}
+        for name, offset in {"one": 0.1, "two": 0.3}.items()
+    }
+    scene = Scene(
+        name="ropes",
+        body={"a": block, "b": block},
+        joint={
+            "left": {"prismatic": {}, "between": ["ground", "a"], "start": {"position": 1.0}},
+            "right": {"prismatic": {}, "between": ["ground", "b"], "start": {"position": 0.5}},
+        },
+        coupling=ropes,
+    )
+    said = r"one cannot be kept together with what else holds its joints; one stays off by 0\.1 .*: of left, right"
+
+    with pytest.raises(SimulationError, match=said):
+        Instance(compile_scene(scene))

@@ -9,7 +9,7 @@ from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.forces import friction as dry_friction
 from mbdfmi.kernels.forces import loads, struts
-from mbdfmi.run.instance import Instance
+from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 
 TIGHT = {"tolerance": 1e-12}
@@ -454,3 +454,38 @@ def block_with_friction(integrator, tolerance):
         joint={"slide": slide},
     )
     return Instance(compile_scene(scene))
+
+
+# constants that no scene may have
+
+
+@pytest.mark.parametrize(
+    "parameter, value",
+    [
+        ("slide.stiffness", -1.0), ("slide.damper", -1.0), ("slide.stop.stiffness", -1.0),
+        ("slide.stop.damping", -1.0), ("slide.friction.coulomb", -1.0), ("slide.friction.smoothing_speed", 0.0),
+        ("strut.stiffness", -1.0), ("strut.damping", -1.0), ("twist.stiffness", -1.0), ("twist.damping", -1.0),
+    ],
+)  # fmt: skip
+def test_a_parameter_that_a_scene_would_refuse_is_told(parameter, value):
+    scene = Scene(
+        name="block",
+        body={"block": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        joint={
+            "slide": {
+                "prismatic": {}, "between": ["ground", "block"], "spring": {"stiffness": 2.0}, "damper": 1.0,
+                "stop": {"upper": 1.0, "stiffness": 10.0, "damping": 1.0}, "friction": {"coulomb": 1.0},
+            },
+        },
+        force={
+            "strut": {
+                "spring_damper": {"stiffness": 1.0, "damping": 1.0, "rest_length": 1.0},
+                "between": ["inertial", "block"],
+            },
+            "twist": {"torsion": {"stiffness": 1.0, "damping": 1.0}, "between": ["ground", "block"]},
+        },
+    )  # fmt: skip
+    model = compile_scene(scene)
+
+    with pytest.raises(SimulationError, match="acts on block has a constant that is negative or no number"):
+        Instance(model, parameters={parameter: value})

@@ -846,3 +846,18 @@ def test_an_output_does_not_change_how_a_start_gives_way():
     }
     watched = Instance(compile_scene(Scene.model_validate(scene | {"body": scene["body"] | {"b": seen}})))
     assert plain.d.x.tobytes() == watched.d.x.tobytes()
+
+
+def test_an_angle_that_cannot_be_is_told_in_rad():
+    """A block on a rail cannot lean: its x axis stays 60 deg off from where an angle of 30 deg to the vertical would have it."""
+    scene = Scene(
+        name="block",
+        body={"block": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        joint={
+            "rail": {"prismatic": {}, "between": ["ground", "block"]},
+            "lean": {"angle": {"angle_deg": 30, "axes": ["z", "x"]}, "between": ["ground", "block"]},
+        },
+    )
+
+    with pytest.raises(SimulationError, match=r"lean stay 0 m apart and turned by 1\.047\d* rad"):
+        Instance(compile_scene(scene))

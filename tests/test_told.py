@@ -131,6 +131,25 @@ def test_a_coarse_absolute_tolerance_is_noticed(size, solver, odd):
     assert [notice.startswith("[solver] absolute_tolerance: ") for notice in notices] == [True] * odd
 
 
+@pytest.mark.parametrize(
+    "solver, friction, odd",
+    [
+        ({"integrator": "rk54"}, {"coulomb": 1.0}, True), ({"integrator": "rk4", "step": 1e-3}, {"coulomb": 1.0}, True),
+        ({"integrator": "rk853"}, {"coulomb": 1.0, "smoothing_speed": 1e-3}, False),
+        ({"integrator": "rk54"}, {"coulomb": 0.0, "viscous": 1.0}, False), ({}, {"coulomb": 1.0}, False),
+        ({"integrator": "radau"}, {"coulomb": 1.0}, False),
+    ],
+)  # fmt: skip
+def test_friction_that_is_too_stiff_for_a_stepper_is_noticed(solver, friction, odd):
+    scene = Scene(
+        name="block",
+        solver=solver,
+        body={"block": {"mass": 1.0, "inertia": [1, 1, 1]}},
+        joint={"slide": {"prismatic": {}, "between": ["ground", "block"], "friction": friction}},
+    )
+    assert ["(slide) is stiff" in notice for notice in scene.notices] == [True] * odd
+
+
 # where notices come out
 
 

@@ -1,6 +1,7 @@
 """What there is to tell of a start: given values that could not be kept, gaps taken, what is stuck or beyond a stop."""
 
 from . import joints
+from .dynamics import rows
 from .dynamics.projection import gap_of
 from .language import inlined, kernel
 from .math import algebra as al
@@ -8,6 +9,8 @@ from .motion import coordinates, markers
 from .status import (
     BEYOND_STOP,
     BODY_STUCK,
+    COUPLING_OFF,
+    COUPLING_OPEN,
     GAP_TAKEN,
     LOOP_ALONG,
     LOOP_ALONG_Z,
@@ -175,6 +178,14 @@ def tell_open(m, d, failure):
     c = failure // 256 - m.n_body
     span, turned = gap_of(m, d, c, False)
     size = al.norm(span)
+
+    row = m.constraint_row[c]
+
+    if m.row_kind[row] == rows.COUPLING and m.row_drive[row] < 0 and turned > SINGULAR:
+        tell(d, status(COUPLING_OFF, m.n_body + c), turned, 0.0)
+        tell(d, status(LOOP_HELP, m.n_body + m.n_constraint + c), 0.0, 0.0)
+        return status(COUPLING_OPEN, m.n_body + c)
+
     tell(d, status(LOOP_SIZE, m.n_body + c), size, turned)
 
     if size > 0.0:

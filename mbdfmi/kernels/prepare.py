@@ -3,11 +3,13 @@
 import math
 
 from .forces import six_by_six
-from .language import apart, inlined
+from .language import apart, inlined, kernel
 from .math import algebra as al
+from .motion import coordinates
 from .signatures import DATA, MODEL, int64
 from .status import (
     BAD_ABSOLUTE_TOLERANCE,
+    BAD_EFFORT,
     BAD_INERTIA,
     BAD_MASS,
     BAD_MAX_EVALUATIONS,
@@ -97,6 +99,37 @@ def has_finite_added_mass(d, k):
 
 
 @inlined
+def node_moved(m, c):
+    """The node that an effort along coordinate c acts on."""
+    in_tree = m.coordinate_kind[c] == coordinates.IN_TREE
+    return m.coordinate_body[c] if in_tree else m.marker_body[m.coordinate_to[c]]
+
+
+@kernel
+def wrongly_moved(m):
+    """The node that a spring, damper, stop or friction acts on whose constants no scene may have; -1: all are right."""
+    for k in range(m.n_joint_spring):
+        if not (m.joint_stiffness[k] >= 0.0 and m.joint_damping[k] >= 0.0):
+            return node_moved(m, m.joint_spring_coordinate[k])
+
+    for k in range(m.n_stop):
+        if not (m.stop_stiffness[k] >= 0.0 and m.stop_damping[k] >= 0.0):
+            return node_moved(m, m.stop_coordinate[k])
+
+    for k in range(m.n_friction):
+        dry = m.friction_coulomb[k] >= 0.0 and m.friction_static[k] >= 0.0 and m.friction_viscous[k] >= 0.0
+
+        if not (dry and m.friction_stribeck[k] > 0.0 and m.friction_smoothing[k] > 0.0):
+            return node_moved(m, m.friction_coordinate[k])
+
+    for k in range(m.n_strut):
+        if not (m.strut_stiffness[k] >= 0.0 and m.strut_damping[k] >= 0.0):
+            return m.marker_body[m.strut_to[k]]
+
+    return -1
+
+
+@inlined
 def find_lightness(m, d):
     """How light the lightest node is beside the heaviest, nodes without mass left out."""
     least = math.inf
@@ -172,5 +205,10 @@ def prepare(m, d):
     for i in range(m.n_body):
         if not has_finite_inertia(d, i):
             return status(BAD_PARAMETER, i)
+
+    wrong = wrongly_moved(m)
+
+    if wrong >= 0:
+        return status(BAD_EFFORT, wrong)
 
     return OK

@@ -37,6 +37,9 @@ TOO_MUCH_WORK = 43
 BAD_STEP = 44
 BAD_ROTOR = 45
 TOUCHES_ALONG = 46
+BAD_EFFORT = 47
+COUPLING_OPEN = 48
+COUPLING_OFF = 49
 SINGULAR_START = 30
 LOOP_SIZE = 31
 LOOP_ALONG = 32
@@ -88,10 +91,14 @@ MESSAGES = {
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
     BAD_ROTOR: "the rotor that turns with the joint of %s needs an inertia that is not negative, and finite numbers",
+    BAD_EFFORT: "a spring, damper, stop or friction that acts on %s has a constant that is negative or no number, or a speed of its "
+    "friction is not positive",
     TOUCHES_ALONG: "the surfaces of %s touch in more than a point: the first one is as hollow there as the second one is round, or "
     "hollower, or the second one is a wheel that lies flat",
     SINGULAR_START: "the loop cannot be closed at %s though it stands open by rounding only: the position is singular; start a "
     "little way off",
+    COUPLING_OPEN: "%s cannot be kept together with what else holds its joints",
+    COUPLING_OFF: "%s stays off by %g (m or rad)",
     LOOP_SIZE: "the ends at %s stay %g m apart and turned by %g rad against each other",
     LOOP_ALONG: "the second end at %s is off by %g m along x, %g m along y",
     LOOP_ALONG_Z: "and by %g m along z of the inertial frame",

@@ -143,7 +143,8 @@ class FrameOnCurve(OnCurve):
 
     Its origin stays on the curve, its x along the tangent, its y as near to the direction `side` as it can be: up, for a road; across
     the track, for a loop. z is normal to both; of a planar curve with the side z it is the normal that points out of a bend to the
-    left. Where an open spline ends, it goes on straight, and the frame stops turning at once.
+    left. Where an open spline ends, it goes on straight, and the frame stops turning at once:
+    what that costs a body in energy is lost (or gained), so let the points reach as far as the way does.
     """
 
     kind: ClassVar[str] = "frame_on_curve"

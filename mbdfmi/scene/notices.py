@@ -10,6 +10,7 @@ from math import hypot, pi
 
 import numpy as np
 
+from ..steppers import STEPPERS
 from ..vectors import norm
 from .bodies import MOMENTS_ROUNDED, inertia_matrix, principal_moments
 from .errors import Problem, show
@@ -17,6 +18,9 @@ from .fields import Part
 
 # how much longer a body is than the next shorter one when one of them may be in other units: mm for m is 1000
 JUMP = 300.0
+
+# m/s or rad/s, a smoothing speed of friction below which sticking is stiff
+SHARP = 1e-4
 
 
 def far_angles(scene):
@@ -64,6 +68,24 @@ def coarse_tolerance(scene):
     if not solver.fixed_step and part > max(10.0 * solver.tolerance, 1e-4):
         text = f"{solver.absolute_tolerance:g} (in m, too) is {part:.2g} of the scene's size, {length:.3g} m; make it smaller"
         yield Problem(("solver", "absolute_tolerance"), text)
+
+
+def stiff_friction(scene):
+    """Dry friction that sticks within a speed next to nothing, under a stepper that is not made for stiff motions."""
+    solver = scene.solver
+    sharp = [
+        name
+        for name, joint in scene.joint.items()
+        if joint.friction and max(joint.friction.coulomb, joint.friction.static) > 0.0
+        and joint.friction.smoothing_speed < SHARP
+    ]  # fmt: skip
+
+    if sharp and not STEPPERS[solver.integrator].implicit:
+        text = (
+            f"what sticks by friction ({', '.join(sharp)}) is stiff: {solver.integrator} takes hundreds of thousands of steps or "
+            'fails; take "auto" or "radau", or a smoothing_speed of 1e-3 or more'
+        )
+        yield Problem(("solver", "integrator"), text)
 
 
 def inertia_of_no_body(scene):
@@ -175,6 +197,7 @@ RULES = (
     far_angles,
     far_sizes,
     coarse_tolerance,
+    stiff_friction,
     inertia_of_no_body,
     idle_spins,
     jumping_speeds,

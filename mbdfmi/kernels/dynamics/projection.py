@@ -202,6 +202,11 @@ def gap_of(m, d, c, taken):
         gap = d.row_taken[row] if taken else d.row_gap[row]
         u = al.vec3(d.row_force_to, row)
 
+        # rows tell by how much the cosine is off
+        if m.row_kind[row] == rows.DOT and m.row_value[row] != 0.0:
+            cosine = max(-1.0, min(1.0, m.row_value[row] + gap))
+            gap = math.acos(cosine) - math.acos(m.row_value[row])
+
         if al.dot(u, u) > 0.0 and not rows.is_of_axes(m, row):
             span = al.axpy(gap, u, span)
         else:

@@ -62,12 +62,9 @@ def loop_wrench(m, d, c):
 
     moment = al.sub(moment, al.cross(markers.arm(m, d, b), force))
 
-    # what acts in the joint
+    # what acts in the joint, whose markers no other has
     for k in range(m.n_coordinate):
-        if m.coordinate_kind[k] == coordinates.IN_TREE:
-            continue
-
-        if m.coordinate_from[k] == a and m.coordinate_to[k] == b:
+        if m.coordinate_kind[k] != coordinates.IN_TREE and m.coordinate_from[k] == a:
             A = markers.axes(m, d, a)
             slides = m.coordinate_kind[k] == coordinates.SLIDE
             z = (A[0][2], A[1][2], A[2][2])

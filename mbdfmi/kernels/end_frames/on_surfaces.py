@@ -281,7 +281,7 @@ def read_bearings(m, d, k):
         d.z[s] = coordinates.unwrapped(longitude, d.z[s])
         d.z[s + 1] = latitude
 
-    if m.end_frame_to[k] >= 0 and d.end_frame_side[k] != 0.0:
+    if m.end_frame_to[k] >= 0:
         on = on_surface(m, d, k)
         longitude, latitude = surfaces.bearing(convex.bearer(m, m.end_frame_to[k], on.normal))
         d.z[s + 2] = coordinates.unwrapped(longitude, d.z[s + 2])
@@ -384,14 +384,13 @@ def row(m, d, k, i):
     u_rate = moves.n_rate
     gap = al.dot(u, on.e)
 
+    # what rolls does not move there: how the direction turns does not matter
     if i > 0:
         gap = 0.0
-        length = al.norm(on.r1)
-        u = al.scale(1.0 / length, on.r1)
-        u_rate = across(u, length, al.axpy(moves.x1, on.r11, al.scale(moves.x2, on.r12)))
+        u = al.scale(1.0 / al.norm(on.r1), on.r1)
+        u_rate = al.ZERO3
 
     if i == 2:
-        u_rate = al.add(al.cross(moves.n_rate, u), al.cross(on.n, u_rate))
         u = al.cross(on.n, u)
 
     bias = al.dot(u, al.add(moves.bias, al.cross(moves.w, moves.shift))) + al.dot(u_rate, moves.seen)

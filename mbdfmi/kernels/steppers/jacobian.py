@@ -32,21 +32,8 @@ def move_columns(m, d, colour, c):
 
 
 @kernel
-def move_back(m, d, colour, c):
-    """The columns are back where they were."""
-    first = m.colour_member[colour]
-
-    for k in range(first, first + m.colour_members[colour]):
-        b = m.member_block[k]
-
-        if c < m.block_size[b]:
-            p = m.block_place[b] + c
-            d.x[m.place_x[p]] = d.right[p]
-
-
-@kernel
 def read_columns(m, d, colour, c, row):
-    """These columns of J from the rates, and those before at d.stage's `row`."""
+    """These columns of J from the rates, and those before at d.stage's `row`; x is moved back."""
     first = m.colour_member[colour]
 
     for k in range(first, first + m.colour_members[colour]):
@@ -55,7 +42,9 @@ def read_columns(m, d, colour, c, row):
         if c >= m.block_size[b]:
             continue
 
-        change = d.right[m.n_x + m.block_place[b] + c]
+        p = m.block_place[b] + c
+        change = d.right[m.n_x + p]
+        d.x[m.place_x[p]] = d.right[p]
 
         for entry in range(m.block_column[b], m.block_column[b] + m.block_columns[b]):
             e = m.column_element[entry]
@@ -88,12 +77,10 @@ def find_jacobian(m, d, row):
         for c in range(m.colour_width[colour]):
             move_columns(m, d, colour, c)
             failure = evaluate_now(m, d)
-            move_back(m, d, colour, c)
+            read_columns(m, d, colour, c, row)
 
             if failure != OK:
                 return failure
-
-            read_columns(m, d, colour, c, row)
 
     return OK
 
