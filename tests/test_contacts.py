@@ -9,7 +9,7 @@ from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels import joints
 from mbdfmi.kernels.dynamics import multipliers, rows
-from mbdfmi.kernels.end_frames import curves, surfaces, touching
+from mbdfmi.kernels.end_frames import curves, on_surfaces, surfaces, touching
 from mbdfmi.kernels.motion import kinematics
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
@@ -185,17 +185,59 @@ def test_closed_splines_run_on():
         np.testing.assert_allclose(curves.point(m, 0, s), curves.point(m, 0, s - 3 * period), atol=1e-12)
 
 
-@pytest.mark.parametrize("name", SURFACES)
-def test_derivatives_of_surfaces(name):
-    m = Instance(compile_scene(particle("point_on_surface", {"surface": SURFACES[name]}, (0.9, 0.2, 0.1)))).m
+@pytest.fixture(params=SURFACES)
+def beside(request):
+    """(name, model) of a surface, surface 1 of the model beside an ellipsoid."""
+    shapes = {"shape": {"surface": {"ellipsoid": {"semi_axes": [1.1, 1.3, 0.8]}}}}
+    shapes["beside"] = {"surface": SURFACES[request.param]}
+    joint = {}
+
+    for name in shapes:
+        joint[f"hold {name}"] = {"translation": {}, "between": ["ground", name]}
+        joint[name] = {"point_on_surface": {}, "between": [f"ground.{name}", name]}
+
+    body = {key: {"mass": 1.0, "inertia": [0.0] * 3} for key in shapes}
+    scene = Scene(name="beside", ground={"marker": shapes}, body=body, joint=joint)
+    return request.param, compile_scene(scene).views()[0]
+
+
+def test_derivatives_of_surfaces(beside):
+    name, m = beside
+    near = 2e-5 if name in ("prism", "table") else 1e-9
 
     for s1, s2 in np.random.default_rng(SEED).uniform(-2.3, 2.3, (40, 2)):
-        r, r1, r2, r11, r12, r22 = surfaces.point(m, 0, s1, s2)
-        near = 2e-5 if name in ("prism", "table") else 1e-9
-        by1 = difference(lambda s: surfaces.point(m, 0, s, s2)[:3], s1)
-        by2 = difference(lambda s: surfaces.point(m, 0, s1, s)[:3], s2)
+        r, r1, r2, r11, r12, r22 = surfaces.point(m, 1, s1, s2)
+        by1 = difference(lambda s: surfaces.point(m, 1, s, s2)[:3], s1)
+        by2 = difference(lambda s: surfaces.point(m, 1, s1, s)[:3], s2)
         np.testing.assert_allclose([r1, r11, r12], by1, atol=near)
         np.testing.assert_allclose([r2, r12, r22], by2, atol=near)
+
+
+def test_how_tangents_bend_along_a_way(beside):
+    """Second derivatives of r_1 and r_2 at steady rates of the parameters, by differences."""
+    name, m = beside
+    rng = np.random.default_rng(SEED)
+    # within one piece of what is made of pieces
+    low, high = (0.02, 0.08) if name in ("prism", "table") else (-1.4, 1.4)
+
+    for s1, s2, u1, u2 in rng.uniform((low, low, -1, -1), (high, high, 1, 1), (8, 4)):
+
+        def tangents(t):
+            return np.array(surfaces.point(m, 1, s1 + u1 * t, s2 + u2 * t)[1:3])
+
+        h = 2e-3
+        by_differences = (tangents(h) - 2 * tangents(0.0) + tangents(-h)) / h**2
+        found = surfaces.second_changes(m, 1, s1, s2, u1, u2)
+        np.testing.assert_allclose(found, by_differences, atol=1e-5)
+
+
+def test_rates_of_parameters_where_they_are_singular():
+    """A point that moves along a surface tells how its parameters change, but where the tangents are parallel."""
+    r1, r2, rates = np.array([0.3, -0.2, 0.5]), np.array([0.1, 0.7, 0.2]), np.array([0.4, -1.1])
+    found = on_surfaces.surface_rates(tuple(rates @ [r1, r2]), tuple(r1), tuple(r2))
+    np.testing.assert_allclose(found, rates, rtol=1e-13)
+    assert on_surfaces.surface_rates((1.0, 2.0, 3.0), tuple(r1), tuple(-2.0 * r1)) == (0.0, 0.0)
+    assert on_surfaces.surface_rates((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), tuple(r2)) == (0.0, 0.0)
 
 
 def test_tables_are_bicubic_splines():
@@ -359,6 +401,59 @@ def test_rows_against_differences(contact, shape, end):
     np.testing.assert_allclose(
         d.row_rate[of_places], by_difference[of_places], atol=1e-5 * (1 + np.abs(by_difference).max())
     )
+
+
+def test_what_keeps_a_ball_from_slipping_turns_with_it():
+    """g'' of a ball that rolls on a sphere against g' a moment before and after: what the test above asks of all, in short."""
+    free = {"velocity": [0.3, -0.2, 0.5], "omega": [0.7, -1.1, 0.4]}
+    place = np.array([0.48, 0.6, 0.64])
+    body = {"mass": 1.0, "inertia": [0.1] * 3}
+    scene = Scene(
+        name="balls",
+        body={
+            "a": body | {"marker": {"shape": {"surface": {"sphere": {"radius": 0.7}}}}},
+            "b": body | {"marker": {"end": {"surface": {"sphere": {"radius": 0.3}}}}},
+        },
+        joint={
+            "a": {"free": {}, "between": ["ground", "a"], "start": free},
+            "b": {"free": {}, "between": ["ground", "b"], "start": free | {"omega": [-0.5, 2.0, 1.0]}},
+            "rolls": {"rolling_surface": {}, "between": ["a.shape", "b.end"]},
+        },
+    )
+    m, d = compile_scene(scene).views()
+
+    for i in range(1, m.n_body):
+        joints.start(m, d, i)
+
+    d.q[m.body_q[2] : m.body_q[2] + 3] = place
+    d.end_frame_side[0] = 1.0
+    d.z[:] = [*surfaces.bearing(place), 0.0, 0.0, *(place / np.linalg.norm(place))]
+    see(m, d)
+    slip, columns = d.row_rate.copy(), []
+
+    # the nearest velocities that roll
+    for v in range(m.n_v):
+        d.v[v] += 1.0
+        see(m, d)
+        d.v[v] -= 1.0
+        columns.append(d.row_rate - slip)
+
+    d.v[:] -= np.linalg.lstsq(np.array(columns).T, slip)[0]
+    see(m, d)
+    assert np.abs(d.row_rate).max() < 1e-13
+    x, h = d.x.copy(), 1e-4
+    d.v_rate[:] = 0.0
+    kinematics.accelerations(m, d)
+    found = [multipliers.row_acceleration(m, d, row) for row in range(m.n_row)]
+    rates = []
+
+    for t in (-h, h):
+        d.x[:] = moved(m, d, x, np.zeros(m.n_v), t)
+        see(m, d)
+        rates.append(d.row_rate.copy())
+
+    assert np.abs(d.row_gap[0]) < 1e-3
+    np.testing.assert_allclose(found, (rates[1] - rates[0]) / (2 * h), atol=1e-7)
 
 
 @pytest.mark.parametrize("contact, shape, end", CONTACTS, ids=NAMES)

@@ -87,6 +87,26 @@ def assert_structure_holds(instance):
     assert np.abs(left).max() < 1e-12 * size * np.abs(x).max()
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_factors_of_any_matrix_in_blocks(seed):
+    """With no shift at all rows must be exchanged within blocks: both factors solve random systems."""
+    m, d = compile_scene(Scene.model_validate(bars(3, solver=STIFF))).views()
+    n = m.n_x
+    rng = np.random.default_rng(seed)
+    d.jacobian[:] = rng.normal(size=m.n_jacobian)
+    J = whole_matrix(m, d.jacobian)
+    right = rng.normal(size=3 * n)
+    x = right.copy()
+    linear.factor(m, d.jacobian, 0.0, d.lu_real, d.swaps_real)
+    linear.factor_complex(m, d.jacobian, 0.01, 0.02, d.lu_complex, d.swaps_complex)
+    assert any(swap != k for k, swap in enumerate(d.swaps_complex))
+    linear.solve(m, d.lu_real, d.swaps_real, x, 0, d.right)
+    linear.solve_complex(m, d.lu_complex, d.swaps_complex, x, n, d.right)
+    np.testing.assert_allclose(-J @ x[:n], right[:n], atol=1e-11)
+    z = x[n : 2 * n] + 1j * x[2 * n :]
+    np.testing.assert_allclose((0.01 + 0.02j) * z - J @ z, right[n : 2 * n] + 1j * right[2 * n :], atol=1e-11)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_structure_of_trees(seed):
     assert_structure_holds(random_instance(random_scene(seed, 4 + seed), seed))

@@ -9,7 +9,7 @@ from scenes import assert_near, body_motion, examples
 
 from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels.dynamics import multipliers, rates
+from mbdfmi.kernels.dynamics import massless, multipliers, rates
 from mbdfmi.kernels.status import OK
 from mbdfmi.run.instance import Instance, SimulationError
 
@@ -497,3 +497,42 @@ def test_a_part_without_mass_at_the_centre_of_gravity():
     }
     found = Instance(compile_scene(Scene(**data))).outputs()
     assert found == pytest.approx([2 * 0.25 - 1.0, 0, 0, 0, -2.0], abs=1e-14)
+
+
+# how it is done
+
+
+@pytest.mark.parametrize("formulation", ["recursive", "embedding"])
+@pytest.mark.parametrize("joint", ["revolute", "prismatic"])
+def test_what_an_effort_in_a_joint_moves(formulation, joint):
+    """The response to a unit effort, by which it is found what determines parts, is what an effort of 1 changes."""
+    bar = {"mass": 2.0, "com": [0.4, 0.1, 0.0], "inertia": [0.3, 0.2, 0.5]}
+    scene = Scene(
+        name="arms",
+        solver={"formulation": formulation},
+        body={"a": bar | {"marker": {"end": at(0.9, -0.2, 0.1)}}, "b": bar},
+        joint={
+            "root": {"revolute": {}, "between": ["ground", "a"], "start": {"angle": 0.3, "speed": 0.5}},
+            "own": {joint: {"axis": [0.36, 0.48, 0.8]}, "between": ["a.end", "b"],
+                    "input": "torque" if joint == "revolute" else "force"},
+        },
+    )  # fmt: skip
+    i = Instance(compile_scene(scene))
+    found = []
+
+    for effort in (1.0, 0.0):
+        i.u[0] = effort
+        assert rates.evaluate(i.m, i.d, 0.0) == OK
+        found.append(i.d.v_rate.copy())
+
+    rate = massless.push_joint(i.m, i.d, 2, 0)
+    np.testing.assert_allclose(i.d.change[: i.m.n_v], found[0] - found[1], atol=1e-13)
+    assert rate == i.d.change[1] > 0.0
+
+
+def test_what_was_found_to_be_determined_is_not_asked_again():
+    """A rod without mass between a crank and a slider: once for all of a run."""
+    i = Instance(compile_scene(crank_and_rod("recursive")))
+    i.outputs()
+    lent = i.d.lent_mass > 0.0
+    assert lent.any() and np.all(i.d.lent_known[lent] == 1.0)

@@ -127,6 +127,25 @@ def test_multiplier_and_reaction_of_a_rod():
     assert found["constraint_gap"] < 1e-15 and found["constraint_rate"] < 1e-14
 
 
+def test_of_two_joints_between_the_same_markers_each_bears_its_own():
+    """Two slides and two hinges, closing loops side by side: along its axis each passes on what its own spring does."""
+    joint = {"lift": {"prismatic": {}, "between": ["ground", "a"], "start": {"position": 0.3}}}
+    joint["turn"] = {"revolute": {}, "between": ["a", "b"], "start": {"angle": 0.2}}
+
+    for name, stiffness in {"one": 5.0, "two": 70.0}.items():
+        spring = {"spring": {"stiffness": stiffness}, "output": REACTIONS}
+        joint[f"slide {name}"] = {"prismatic": {}, "between": ["ground", "a"]} | spring
+        joint[f"hinge {name}"] = {"revolute": {}, "between": ["a", "b"]} | spring
+
+    body = {key: {"mass": 1.0, "inertia": [0.1] * 3} for key in "ab"}
+    scene = Scene.model_validate({"name": "twice", "body": body, "joint": joint})
+    found = named_outputs(Instance(compile_scene(scene)))
+
+    for name, stiffness in {"one": 5.0, "two": 70.0}.items():
+        assert found[f"'slide {name}'.reaction_force"][2] == pytest.approx(-0.3 * stiffness, abs=1e-12)
+        assert found[f"'hinge {name}'.reaction_moment"][2] == pytest.approx(-0.2 * stiffness, abs=1e-12)
+
+
 # reactions: absolute coordinates
 
 

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 import mbdfmi
 from mbdfmi.compiler.interpolation import curve
 from mbdfmi.compiler.model import compile_scene
-from mbdfmi.kernels import forces
+from mbdfmi.kernels import exchange, forces
 from mbdfmi.kernels.math import tables
 from mbdfmi.run.instance import Instance
 
@@ -341,3 +341,35 @@ def test_unknown_readings_are_refused(joint, wrong, meant, known):
     text = str(caught.value)
     assert f'{key}.table.interpolation: no "{wrong}" here' in text and f'Did you mean "{meant}"?' in text
     assert all(f'"{name}"' in text for name in known)
+
+
+# where they have kinks
+
+
+@pytest.mark.parametrize(
+    "interpolation, force, kinks",
+    [
+        ("linear", [1, 3, 4, 2], [0, 1, 3, 5]),
+        ("linear", [1, 1, 2, 2], [1, 3]),
+        ("linear", [1, 2, 4, 6], [0, 5]),
+        ("steps", [1, 3, 3, 2], [1, 5]),
+        ("cubic", [1, 3, 4, 2], [0, 5]),
+    ],
+)
+def test_where_tables_have_kinks(interpolation, force, kinks):
+    """A load is held before its first point and after its last: there its slope jumps, unless it was level."""
+    table = {"time": [0, 1, 3, 5], "force": [[x, 0, 0] for x in force], "interpolation": interpolation}
+    scene = mbdfmi.Scene(
+        name="pushed",
+        body={"block": {"mass": 1, "inertia": INERTIA}},
+        joint={"slide": {"prismatic": {}, "between": ["ground", "block"]}},
+        force={"f": {"load": {"table": table}, "on": "block"}},
+    )
+    m, d = compile_scene(scene).views()
+    d.time[0], found = -1.0, []
+
+    while (kink := exchange.next_kink(m, d)) < np.inf:
+        found.append(kink)
+        d.time[0] = kink
+
+    assert found == kinks
