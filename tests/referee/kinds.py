@@ -468,6 +468,12 @@ def commands():
         ends = {"input": told if told is True else ["angle", *told[1:]]}
         found[f"joints {k}"] = pair(hinge(driver=ends), slide(driver={"input": told}))
 
+    # whose accelerations no output tells
+    pose = {"x": {"input": True}, "pitch": {"input": True}, "roll": {"constant_speed": 0.5}}
+    found["pose"] = pair(hinge(start={"speed": 1.0}), {"prescribed": {}, "driver": pose})
+    found["along a curve"] = copy.deepcopy(contacts()["frame on curve ring"])
+    found["along a curve"]["joint"]["c"]["driver"] = {"input": True}
+
     places = {name: {"position": place} for name, place in zip("xyz", np.eye(3).tolist())}
     seen = {name: {"between": ["inertial", f"ground.{name}"], "output": []} for name in "xyz"}
 
@@ -484,7 +490,41 @@ def commands():
     return found
 
 
+def led():
+    """Name -> scene: all six freedoms prescribed, at the end and in the middle of a chain, and drivers along curves."""
+    wave = {"harmonic": {"amplitude": 0.3, "frequency": 1.1, "mean": 0.2}}
+    course = {"polynomial": {"coefficients_deg": [10, 20, -30, 5]}}
+    poses = {
+        "held": {"driver": {"x": wave}, "start": {"position": [0.0, 0.2, -0.3], "zyx_deg": [30, 100, -20]}},
+        "turned": {
+            "driver": {"yaw": course, "pitch": {"constant_speed": 1.5}, "roll": {"speed_table": {"time": WAVE, "speed": VALUES}}},
+            "start": {"zyx_rad": [0.0, 0.4, 0.9]},
+        },
+        "all": {
+            "driver": {
+                "x": wave, "y": {"table": {"time": WAVE, "position": VALUES}}, "z": {"hold": True},
+                "yaw": {"constant_speed_rpm": 20}, "pitch": course, "roll": {"ramp": {"time": [-0.3, 0.6], "position_deg": [-20, 50]}},
+            },
+        },
+    }  # fmt: skip
+    found = {}
+
+    for name, pose in poses.items():
+        found[f"pose {name}"] = pair({"prescribed": {}} | pose, hinge(start={"angle": 0.4, "speed": 1.0}))
+        found[f"pose {name} behind"] = pair(hinge(start={"speed": 2.0}), {"prescribed": {}} | pose)
+
+    curves = contacts()
+
+    for kind, curve in (("point", "circle"), ("point", "ring"), ("frame", "path"), ("frame", "circle")):
+        for way, driver in (("wave", wave), ("speed", {"constant_speed": 0.4}), ("hold", {"hold": True})):
+            found[f"{kind} on {curve} {way}"] = copy.deepcopy(curves[f"{kind} on curve {curve}"])
+            start = {} if way == "wave" else {"start": {"s": 0.2}}
+            found[f"{kind} on {curve} {way}"]["joint"]["c"] |= {"driver": driver} | start
+
+    return found
+
+
 FAMILIES = {
     "drivers": drivers, "grounds": grounds, "efforts": efforts, "bodies": bodies, "forces": forces,
-    "couplings": couplings, "contacts": contacts, "commands": commands,
+    "couplings": couplings, "contacts": contacts, "commands": commands, "led": led,
 }  # fmt: skip

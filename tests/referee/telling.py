@@ -3,55 +3,12 @@
 import copy
 import unicodedata
 
-MARKER = [
-    "position", "velocity", "acceleration", "euler_parameters", "zyx", "zyx_rate", "omega", "alpha",
-    "velocity_body", "acceleration_body", "omega_body", "alpha_body",
-]  # fmt: skip
-MEASURE = [
-    "distance", "distance_rate", "angle", "position", "velocity", "acceleration", "euler_parameters", "zyx",
-    "zyx_rate", "omega",
-]  # fmt: skip
-REACTIONS = ["reaction_force", "reaction_moment", "reaction_force_body", "reaction_moment_body"]
-PARTS = ("spring", "damper", "friction", "stop", "input", "driver")
-SCENE = [
-    "kinetic_energy", "potential_energy", "total_energy", "gravity_energy", "spring_energy", "input_power",
-    "load_power", "driver_power", "dissipated_power", "linear_momentum", "angular_momentum", "center_of_mass",
-    "constraint_gap", "constraint_rate",
-]  # fmt: skip
-JOINT = {
-    "revolute": ["angle", "speed", "acceleration", "power"],
-    "prismatic": ["position", "speed", "acceleration", "power"],
-    "cylindrical": ["position", "speed", "angle", "angular_speed"],
-    "screw": ["position", "speed", "angle", "angular_speed"],
-    "universal": ["angles", "speeds"],
-    "spherical": ["euler_parameters", "zyx", "zyx_rate", "omega", "alpha"],
-    "planar": ["position", "angle", "velocity", "angular_speed"],
-    "translation": ["position", "velocity"],
-    "free": ["position", "velocity", "euler_parameters", "zyx", "zyx_rate", "omega"],
-    "point_on_curve": ["s", "s_rate", "tangent"],
-    "curve_on_curve": ["s", "s_rate", "tangent", "binormal", "normal"],
-    "point_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
-    "frame_on_curve": ["s", "s_rate", "tangent", "binormal", "normal"],
-    "frame_on_surface": ["s", "s_rate", "tangent", "binormal", "normal"],
-    "surface_on_surface": ["s", "s_rate", "contact_point", "normal_force"],
-    "rolling_surface": ["s", "s_rate", "contact_point", "normal_force", "friction_force"],
-    "prescribed": [
-        "position",
-        "velocity",
-        "euler_parameters",
-        "zyx",
-        "zyx_rate",
-        "omega",
-        "driver_force",
-        "driver_torque",
-    ],
-}
+from .making import bodies, forces, telling
+
+# beside what a point on a curve tells: normals, which jump where it is straight
+TOLD = telling.JOINT | {"point_on_curve": ("s", "s_rate", "tangent")}
+SCENE = [output for output in telling.SCENE if output != "multipliers"]
 SEEN = {"seen_x": [1.0, 0.0, 0.0], "seen_y": [0.0, 1.0, 0.0], "seen_z": [0.0, 0.0, 1.0]}
-HULL = [
-    "volume", "center_of_buoyancy", "draught", "waterplane_area", "waterplane_center", "waterplane_moments",
-    "force", "moment", "power",
-]  # fmt: skip
-SIX = ["force", "moment", "displacement", "rotation", "power"]
 
 
 def all_told(data):
@@ -62,34 +19,37 @@ def all_told(data):
 
     for body in data["body"].values():
         for frame in (body, *body.get("marker", {}).values()):
-            frame["output"] = MARKER
+            frame["output"] = list(bodies.OUTPUTS)
 
     for joint in data.get("joint", {}).values():
-        kind = next((kind for kind in JOINT if kind in joint), None)
-        joint["output"] = JOINT.get(kind, []) + (REACTIONS if kind != "free" else [])
+        kind = next((kind for kind in TOLD if kind in joint), None)
+        joint["output"] = [*TOLD.get(kind, ()), *(telling.REACTIONS if kind != "free" else ())]
 
         if kind in ("revolute", "prismatic"):
-            joint["output"] = joint["output"] + [f"{part}_effort" for part in PARTS if joint.get(part)]
-            joint["output"] += ["effort"] if joint.get("driver") else []
+            joint["output"] += [effort for part, effort in telling.EFFORTS.items() if joint.get(part)]
+            joint["output"] += ["driver_effort", "effort"] if joint.get("driver") else []
+
+        # along a curve
+        if joint.get("driver") and kind in ("point_on_curve", "frame_on_curve"):
+            joint["output"] += ["effort", "driver_power"]
 
     for coupling in data.get("coupling", {}).values():
         coupling["output"] = ["efforts"]
 
     for force in data.get("force", {}).values():
-        force["output"] = ["power"] if "load" in force else SIX
+        force["output"] = ["power"] if "load" in force else list(forces.WRENCH)
 
         if "hydrostatics" in force:
-            force["output"] = HULL
+            force["output"] = list(telling.HULL)
 
         if "torsion" in force:
-            force["output"] = ["angle", "rate", "moment", "spring_moment", "damper_moment", "power"]
+            force["output"] = ["angle", *telling.TORSION]
 
         if "spring_damper" in force:
-            force["output"] = ["length", "rate", "tension", "spring_force", "damper_force", "power"]
-            force["output"] = force["output"] + (["input_force"] if force.get("input") else ["force"])
+            force["output"] = [*telling.STRUT, "input_force" if force.get("input") else "force"]
 
     for measure in data.get("measure", {}).values():
-        measure["output"] = MEASURE
+        measure["output"] = list(telling.MEASURES)
 
     return _without_clashes(data)
 

@@ -9,7 +9,7 @@ derivative come from CasADi's automatic differentiation.
 
 The dense system is solved by its singular values. Solutions that it leaves open,
 as reactions of redundant joints, are known as such, and what depends on them is not told.
-It does not know surfaces that touch or roll, prescribed joints, and drivers along curves: `unknown` names these.
+It does not know surfaces that touch or roll: `unknown` names these.
 
     reading        units, axes, orientations, names; the scene in SI units
     mass           solids to mass properties

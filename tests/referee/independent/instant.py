@@ -5,6 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from .equations import SIX
 from .joints import is_turned_over
+from .motion import rotation_of_zyx
 from .reading import axis, cross, dotted, listed, si
 
 # singular values of the scaled system below this part of the largest are none
@@ -101,7 +102,7 @@ class Instant:
         """Equations of all joints and elements,
         with the parameters s where end frames touch and their rates."""
         system = self.system
-        self.s, self.s_rate, self.values = {}, {}, {}
+        self.s, self.s_rate, self.places, self.values = {}, {}, {}, {}
         at = 6 * len(system.owners)
 
         for name, joint in system.joints.items():
@@ -112,6 +113,7 @@ class Instant:
                 numbers = np.concatenate([numbers, self._touch(name, numbers)])
                 place = slice(at, at + system.contacts[name].count)
                 at = place.stop
+                self.places[name] = place
 
             found, owners = system.signals(self.motions, joint.kind, joint.ends, numbers)
             self._keep(name, system.spread(found, owners, place))
@@ -181,6 +183,7 @@ class Instant:
         """What the scene leaves to the start."""
         started = self.system.started
         started["q"] = dict(self.q)
+        started["along"] = self.q | self.s
         started["constant"] = {}
         started["length"] = {}
 
@@ -402,7 +405,7 @@ class Instant:
 
     def _gather_rows(self):
         """All constraints, C a + bias = 0, with residuals and rates; rows_of[joint] are those of a joint."""
-        self.rows, self.rows_of, self.unknown = [], {}, []
+        self.rows, self.rows_of, self.unknown, self.turned = [], {}, [], {}
         count = 0
 
         def add(owner, C, bias, residual, rate):
@@ -417,10 +420,21 @@ class Instant:
             add(name, C, bias, value - self._rest(name, joint, len(value)), rate)
 
             slip, _, bias, C = self.values["slip", name]
+
+            if joint.kind == "prescribed":
+                residual, rate, asked = self._prescribed(joint, slip)
+                self.unknown += [count + k for k in np.flatnonzero(np.isnan(asked))]
+                add(name, C, bias - np.nan_to_num(asked), residual, rate)
+                continue
+
             add(name, C, bias, 0 * slip, slip)
 
             q, q_rate = self.q[name], self.rate[name]
             _, _, q_bias, J = self.values["coordinates", name]
+
+            # driven along a curve
+            if joint.driver and name in self.s:
+                q, q_rate, q_bias, J = self.s[name], self.s_rate[name], np.zeros(1), self._second_rate(name)
 
             if joint.kind == "screw":
                 h = joint.options["pitch"] / (2 * np.pi)
@@ -436,7 +450,7 @@ class Instant:
                 started = self.system.started
                 seen = q[0], q_rate[0], self.hints.number(name, "acceleration")
                 x, speed, acceleration = joint.driver.target(
-                    self.t, (started["q"][name][0], started["time"]), self.inputs, seen
+                    self.t, (started["along"][name][0], started["time"]), self.inputs, seen
                 )
 
                 # a command of which nobody knows how it goes on
@@ -462,6 +476,29 @@ class Instant:
         self.row_bias, self.residuals, self.rates = (
             np.concatenate([row[k] for row in self.rows]) if self.rows else np.zeros(0) for k in (1, 2, 3)
         )
+
+    def _second_rate(self, name):
+        """(1, n): the second rate of the parameter of a joint on a curve, of all unknowns."""
+        found = np.zeros((1, self.system.width))
+        found[0, self.places[name]] = 1.0
+        return found
+
+    def _prescribed(self, joint, slip):
+        """(residuals, rates of these, accelerations that are asked for) of a joint whose pose is prescribed, of place and turn."""
+        (r1, A1, *_), (r2, A2, *_) = (self.frame(end) for end in joint.ends)
+        d, R = A1.T @ (r2 - r1), A1.T @ A2
+        here, rates = self.hints(joint.name, "zyx"), self.hints(joint.name, "zyx_rate")
+        seen = [
+            [*d, *([None] * 3 if here is None else here)],
+            [*slip[:3], *([None] * 3 if rates is None else rates)],
+            [None] * 6,
+        ]
+        x, speed, acceleration = joint.asked(self.t, self.system.started["time"], self.inputs, seen)
+        self.turned[joint.name] = x[3:]
+        E, w, alpha = rotation_of_zyx(x[3:], speed[3:], acceleration[3:])
+        residual = np.concatenate([d - x[:3], Rotation.from_matrix(E.T @ R).as_rotvec()])
+        rate = slip - np.concatenate([speed[:3], w])
+        return residual, rate, np.concatenate([acceleration[:3], alpha])
 
     def _rest(self, name, joint, count):
         """What a joint's equations of positions are where it holds;

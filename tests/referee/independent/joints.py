@@ -14,8 +14,11 @@ KINDS = (
     "fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar", "translation",
     "screw", "free", "point_on_plane", "point_on_line", "distance", "rolling_sphere", "rolling_disk",
     "knife_edge", "constant_velocity", "angle", "point_on_curve", "curve_on_curve", "point_on_surface",
-    "frame_on_curve", "frame_on_surface",
+    "frame_on_curve", "frame_on_surface", "prescribed",
 )  # fmt: skip
+
+# whose parameter may be driven
+LED_ALONG = ("point_on_curve", "frame_on_curve")
 
 # joints of one freedom: their coordinate and its rate
 SINGLE = {"revolute": "angle", "prismatic": "position"}
@@ -105,6 +108,10 @@ def constraints(kind, geometry, pair):
 
     if kind == "knife_edge":
         return [], [ca.dot(R @ u, pair.v)]
+
+    # not 0, but what drivers ask for
+    if kind == "prescribed":
+        return [], [*(pair.v[k] for k in range(3)), *(pair.w[k] for k in range(3))]
 
     holds = {
         "fixed": together + locked,

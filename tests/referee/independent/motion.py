@@ -49,27 +49,28 @@ def commanded(spec, everything, names):
 
 
 class Driver:
-    """The motion that a driver asks of its joint."""
+    """The motion that a driver asks of a coordinate. path : names of what it drives, as in its variables. quantity : what it is
+    a position, an angle, s."""
 
-    def __init__(self, given, name, spec, quantity):
-        self.name, self.spec, self.quantity = name, spec, quantity
+    def __init__(self, given, path, spec, quantity):
+        self.path, self.spec, self.quantity = path, spec, quantity
         self.starts_here = (
             any(key in spec for key in ("hold", "speed_table")) or si(spec, "constant_speed") is not None
         )
 
         if si(spec, "constant_speed") is not None:
-            self.speed = given(si(spec, "constant_speed"), name, "speed_driven")
+            self.speed = given(si(spec, "constant_speed"), *path, "speed_driven")
         elif wave := spec.get("harmonic", spec.get("harmonics")):
             self._waves(given, wave)
         elif "polynomial" in spec:
             self.powers = given(
-                np.array(si(spec["polynomial"], "coefficients")), name, "driver", "coefficients"
+                np.array(si(spec["polynomial"], "coefficients")), *path, "driver", "coefficients"
             )
         elif "ramp" in spec:
             time, place = spec["ramp"]["time"], si(spec["ramp"], "position")
             self.ramp = [
                 [
-                    given(values[k], name, "driver", f"{what}_{end}")
+                    given(values[k], *path, "driver", f"{what}_{end}")
                     for what, values in (("time", time), (quantity, place))
                 ]
                 for k, end in enumerate(("begin", "end"))
@@ -87,10 +88,10 @@ class Driver:
         phases = si(wave, "phase", np.zeros(count) if many else 0.0)
         columns = {"amplitude": si(wave, "amplitude"), "frequency": wave["frequency"], "phase": phases}
         columns = {
-            key: given(np.array(value) if many else value, self.name, "driver", key)
+            key: given(np.array(value) if many else value, *self.path, "driver", key)
             for key, value in columns.items()
         }
-        self.mean = given(si(wave, "mean", 0.0), self.name, "driver", "mean")
+        self.mean = given(si(wave, "mean", 0.0), *self.path, "driver", "mean")
         self.waves = np.column_stack(
             [np.atleast_1d(columns[key]) for key in ("amplitude", "frequency", "phase")]
         )
@@ -142,12 +143,12 @@ class Driver:
     def _commanded(self, inputs, seen):
         """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told,
         where these are given."""
-        names = {"position": self.quantity}
+        names = {"position": self.quantity} | ({"speed": "s_rate"} if self.quantity == "s" else {})
         found = []
 
         for k, what in enumerate(JOINT):
             if what in self.told:
-                command = self.name, f"{names.get(what, what)}_command"
+                command = *self.path, f"{names.get(what, what)}_command"
                 found.append(inputs(*command)[0])
                 order = 0
             else:

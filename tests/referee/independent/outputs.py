@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .motion import rotation_of_zyx
 from .reading import cross, dotted
 
 # by how much what is told may change along what the equations leave open, as a part of its size
@@ -115,6 +116,12 @@ def zyx_rate(A, w):
     return np.linalg.solve(np.column_stack([[0, 0, 1], [-np.sin(yaw), np.cos(yaw), 0], A[:, 0]]), w)
 
 
+def turning_axes(angles):
+    """(3, 3): the axes about which yaw, pitch and roll turn, by column."""
+    yawed, pitched = (rotation_of_zyx([*angles[:k], *[0.0] * (3 - k)], *np.zeros((2, 3)))[0] for k in (1, 2))
+    return np.column_stack([[0, 0, 1], yawed[:, 1], pitched[:, 0]])
+
+
 def euler_parameters(A, hint):
     """Scalar last, of the hint's sign."""
     E = Rotation.from_matrix(A).as_quat()
@@ -165,7 +172,7 @@ def _tell_measure(told, seen, now, name, table):
 def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
     values, groups = {}, {}
 
-    if joint.kind in ("spherical", "free"):
+    if joint.kind in ("spherical", "free", "prescribed"):
         values = _pose(seen.relative(*joint.ends), now, joint.name)
 
     for k, (position, rate, _) in enumerate(joint.coordinates):
@@ -177,6 +184,14 @@ def _tell_joint(told, system, now, seen, joint, acceleration, multipliers):
         values |= dict(
             zip(("tangent", "binormal", "normal"), system.contacts[joint.name].axes(now.s[joint.name]))
         )
+
+    if joint.kind == "prescribed":
+        bears = multipliers[now.rows_of[joint.name]]
+        values["driver_force"] = bears[:3]
+        values["driver_torque"] = turning_axes(now.turned[joint.name]).T @ bears[3:]
+    elif joint.driver and joint.name in system.contacts:
+        values["effort"] = multipliers[now.rows_of["driver", joint.name][0]]
+        values["driver_power"] = values["effort"] * now.s_rate[joint.name][0]
 
     values |= {key: group[0] if len(group) == 1 else np.array(group) for key, group in groups.items()}
     along = 0.0
@@ -320,8 +335,11 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     driven = -ground @ np.concatenate([v, w])
 
     for name, joint in system.joints.items():
-        if joint.driver:
-            driven += multipliers[now.rows_of["driver", name][0]] * now.rate[name][0]
+        if joint.kind == "prescribed":
+            driven += multipliers[now.rows_of[name]] @ now.values["slip", name][0]
+        elif joint.driver:
+            rate = now.s_rate[name] if name in system.contacts else now.rate[name]
+            driven += multipliers[now.rows_of["driver", name][0]] * rate[0]
 
     told |= {"kinetic_energy": kinetic, "gravity_energy": gravity, "spring_energy": spring}
     told |= {"potential_energy": gravity + spring, "total_energy": kinetic + gravity + spring}

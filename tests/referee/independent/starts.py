@@ -5,7 +5,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .joints import joint_axis, two_axes
-from .motion import Inputs
+from .motion import Inputs, rotation_of_zyx
 from .reading import cross, orientation, plane_axes, si
 
 
@@ -63,6 +63,11 @@ def _relative(joint, t):
         spin = R @ _filled(start["omega_body"], "xyz") if start.get("omega_body") is not None else spin
         place, speed = (_filled(start.get(key), "xyz") for key in ("position", "velocity"))
         return place, R, speed, spin
+
+    if kind == "prescribed":
+        x, speed, _ = np.nan_to_num(joint.asked(t, t, Inputs({}), np.zeros((3, 6))))
+        R, spin, _ = rotation_of_zyx(x[3:], speed[3:], zero)
+        return x[:3], R, speed[:3], spin
 
     if kind == "translation":
         return _filled(start.get("position"), "xyz"), still, _filled(start.get("velocity"), "xyz"), zero

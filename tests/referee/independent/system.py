@@ -23,7 +23,6 @@ def unknown(data):
         name
         for name, table in data.get("joint", {}).items()
         if not any(kind in table for kind in joints.KINDS)
-        or (table.get("driver") and not any(kind in table for kind in joints.SINGLE))
     ]
 
 
@@ -48,8 +47,31 @@ class Joint:
             given(turning[key], name, "turning", key) for key in ("inertia", "ratio")
         )
 
-        if table.get("driver"):
-            self.driver = Driver(given, name, table["driver"], joints.SINGLE[self.kind])
+        if self.kind == "prescribed":
+            self.pose = self._pose_drivers(given, table["driver"])
+        elif table.get("driver"):
+            self.driver = Driver(given, [name], table["driver"], joints.SINGLE.get(self.kind, "s"))
+
+    def _pose_drivers(self, given, table):
+        """(driver, where it starts) of each of x, y, z, yaw, pitch, roll; what none moves is held."""
+        start = [*self.start.get("position", [0.0] * 3), *si(self.start, "zyx", np.zeros(3))]
+        names = zip(("x", "y", "z", "yaw", "pitch", "roll"), ["position"] * 3 + ["angle"] * 3)
+        return [
+            (Driver(given, [self.name, key], table.get(key) or {"hold": True}, quantity), float(at))
+            for (key, quantity), at in zip(names, start)
+        ]
+
+    def asked(self, t, begun, inputs, seen=None):
+        """(3, 6) what the drivers of a prescribed joint ask for at t, with rates and second rates, NaN where nobody knows.
+
+        begun : s, time of the start. seen : the same, of what inputs do not tell.
+        """
+        seen = [[None] * 6] * 3 if seen is None else seen
+        found = [
+            driver.target(t, (start, begun), inputs, [row[k] for row in seen])
+            for k, (driver, start) in enumerate(self.pose)
+        ]
+        return np.array(found, float).T
 
     def angle_names(self):
         """(index of the coordinate, name of the output, its element) of each angle."""

@@ -42,6 +42,10 @@ MEASURES = (
     "zyx_rate", "omega",
 )  # fmt: skip
 TORSION = ("rate", "moment", "spring_moment", "damper_moment", "power")
+HULL = (
+    "volume", "center_of_buoyancy", "draught", "waterplane_area", "waterplane_center", "waterplane_moments",
+    "force", "moment", "power",
+)  # fmt: skip
 STRUT = ("length", "rate", "tension", "spring_force", "damper_force", "power")
 
 
@@ -81,6 +85,8 @@ class Teller:
         """Of a force."""
         if "load" in table:
             return self.output(["power"])
+        if "hydrostatics" in table:
+            return self.output(HULL)
         if "torsion" in table:
             # without the angle nobody can tell its turns
             return {"output": ["angle", *TORSION]}
