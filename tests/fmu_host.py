@@ -18,19 +18,79 @@ MODEL_EXCHANGE, CO_SIMULATION = range(2)
 DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
 
 
-class Library:
-    """An unpacked FMU and its shared library."""
+class Unpacked:
+    """An unpacked FMU and its shared library. platform : folder of the latter."""
 
-    def __init__(self, fmu: Path, folder: Path):
+    def __init__(self, fmu: Path, folder: Path, platform: str):
         fmpy.extract(str(fmu), str(folder))
         self.folder = Path(folder)
         self.description = fmpy.read_model_description(str(folder))
         self.variables = {v.name: v for v in self.description.modelVariables}
         identifier = self.description.coSimulation.modelIdentifier
-        binary = f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+        binary = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
         self.dll = ctypes.CDLL(str(self.folder / binary))
+
+
+class Component:
+    """What instances of FMI 2.0 and 3.0 have in common; every call returns its status.
+
+    fmi, state, undo : how functions are spelled. library, component : an `Unpacked`, what its functions know the instance by;
+    None when it was refused. log : list of (status, category, message).
+    """
+
+    fmi: str
+    state: str
+    undo: str
+
+    def __init__(self, library):
+        self.library = library
+        self.log = []
+
+    @property
+    def message(self) -> str:
+        """The last message."""
+        return self.log[-1][2]
+
+    def call(self, function: str, *arguments) -> int:
+        """Status of a bare call; the component comes first by itself."""
+        return getattr(self.library.dll, function)(c_void_p(self.component), *arguments)
+
+    def free(self):
+        getattr(self.library.dll, f"{self.fmi}FreeInstance")(c_void_p(self.component))
+
+    def exit(self):
+        return self.call(f"{self.fmi}ExitInitializationMode")
+
+    def save(self, snapshot: c_void_p | None = None) -> c_void_p:
+        snapshot = c_void_p() if snapshot is None else snapshot
+        assert self.call(f"{self.fmi}Get{self.state}", byref(snapshot)) == OK
+        return snapshot
+
+    def restore(self, snapshot: c_void_p) -> int:
+        return self.call(f"{self.fmi}Set{self.state}", snapshot)
+
+    def forget(self, snapshot: c_void_p) -> int:
+        return self.call(f"{self.fmi}Free{self.state}", byref(snapshot))
+
+    def serialise(self, snapshot: c_void_p) -> bytes:
+        size = c_size_t()
+        assert self.call(f"{self.fmi}Serialized{self.state}Size", snapshot, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call(f"{self.fmi}Serialize{self.state}", snapshot, data, size) == OK
+        return data.raw
+
+    def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
+        snapshot = c_void_p()
+        status = self.call(f"{self.fmi}{self.undo}{self.state}", data, c_size_t(len(data)), byref(snapshot))
+        return status, snapshot
+
+
+class Library(Unpacked):
+    """Of FMI 2.0."""
+
+    def __init__(self, fmu: Path, folder: Path):
+        super().__init__(fmu, folder, fmpy.platform)
         self.dll.fmi2Instantiate.restype = c_void_p
-        self.dll.fmi2FreeInstance.argtypes = [c_void_p]
 
     def reference(self, name: str) -> int:
         """Value reference of a variable."""
@@ -41,13 +101,10 @@ class Library:
         return [v.valueReference for v in self.variables.values() if v.causality == causality]
 
 
-class Instance:
-    """One instance; every call returns its status. `component` is None when it was refused.
+class Instance(Component):
+    """One instance. An empty guid or location is passed as NULL; the default is the right one."""
 
-    log : list of (status, category, message).
-
-    An empty guid or location is passed as NULL; the default is the right one.
-    """
+    fmi, state, undo = "fmi2", "FMUstate", "DeSerialize"
 
     def __init__(
         self,
@@ -59,8 +116,7 @@ class Instance:
         logging=True,
         callbacks=True,
     ):
-        self.library = library
-        self.log = []
+        super().__init__(library)
         self.callbacks = fmi2CallbackFunctions()
         self.callbacks.logger = fmi2CallbackLoggerTYPE(self._logger)
         self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE()
@@ -76,18 +132,6 @@ class Instance:
     def _logger(self, environment, name, status, category, message):
         self.log.append((status, category.decode(), message.decode()))
 
-    @property
-    def message(self) -> str:
-        """The last message."""
-        return self.log[-1][2]
-
-    def call(self, function: str, *arguments) -> int:
-        """Status of a bare call; the component comes first by itself."""
-        return getattr(self.library.dll, function)(c_void_p(self.component), *arguments)
-
-    def free(self):
-        self.library.dll.fmi2FreeInstance(self.component)
-
     # life
 
     def setup(self, start=0.0, stop=None):
@@ -96,9 +140,6 @@ class Instance:
 
     def enter(self):
         return self.call("fmi2EnterInitializationMode")
-
-    def exit(self):
-        return self.call("fmi2ExitInitializationMode")
 
     def start(self, start=0.0, stop=None):
         """Up to the first step."""
@@ -176,28 +217,3 @@ class Instance:
     def terminated(self) -> tuple[int, int]:
         value = c_int(-1)
         return self.call("fmi2GetBooleanStatus", TERMINATED, byref(value)), value.value
-
-    # snapshots
-
-    def save(self, snapshot: c_void_p | None = None) -> c_void_p:
-        snapshot = c_void_p() if snapshot is None else snapshot
-        assert self.call("fmi2GetFMUstate", byref(snapshot)) == OK
-        return snapshot
-
-    def restore(self, snapshot: c_void_p) -> int:
-        return self.call("fmi2SetFMUstate", snapshot)
-
-    def forget(self, snapshot: c_void_p) -> int:
-        return self.call("fmi2FreeFMUstate", byref(snapshot))
-
-    def serialise(self, snapshot: c_void_p) -> bytes:
-        size = c_size_t()
-        assert self.call("fmi2SerializedFMUstateSize", snapshot, byref(size)) == OK
-        data = ctypes.create_string_buffer(size.value)
-        assert self.call("fmi2SerializeFMUstate", snapshot, data, size) == OK
-        return data.raw
-
-    def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
-        snapshot = c_void_p()
-        status = self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(snapshot))
-        return status, snapshot

@@ -6,23 +6,16 @@ from math import prod
 from pathlib import Path
 
 import fmpy
+from fmu_host import OK, Component, Unpacked
 
-OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 
 
-class Library:
-    """An unpacked FMU and its shared library."""
+class Library(Unpacked):
+    """Of FMI 3.0."""
 
     def __init__(self, fmu: Path, folder: Path):
-        fmpy.extract(str(fmu), str(folder))
-        self.folder = Path(folder)
-        self.description = fmpy.read_model_description(str(folder))
-        self.variables = {v.name: v for v in self.description.modelVariables}
-        identifier = self.description.coSimulation.modelIdentifier
-        binary = f"binaries/{fmpy.platform_tuple}/{identifier}{fmpy.sharedLibraryExtension}"
-        self.dll = ctypes.CDLL(str(self.folder / binary))
-
+        super().__init__(fmu, folder, fmpy.platform_tuple)
         self.instantiate = {
             kind: getattr(self.dll, f"fmi3Instantiate{kind}")
             for kind in ("ModelExchange", "CoSimulation", "ScheduledExecution")
@@ -39,13 +32,10 @@ class Library:
         return [v.name for v in self.variables.values() if v.causality == causality]
 
 
-class Instance:
-    """One instance; every call returns its status. `component` is None when it was refused.
+class Instance(Component):
+    """One instance. An empty token is passed as NULL; the default is the right one."""
 
-    log : list of (status, category, message).
-
-    An empty token is passed as NULL; the default is the right one.
-    """
+    fmi, state, undo = "fmi3", "FMUState", "Deserialize"
 
     def __init__(
         self,
@@ -58,8 +48,7 @@ class Instance:
         extra=None,
         update=None,
     ):
-        self.library = library
-        self.log = []
+        super().__init__(library)
         self.logger = LOGGER(lambda _, *told: self.log.append((told[0], told[1].decode(), told[2].decode())))
         token = library.description.guid.encode() if token is None else token
         path = f"{library.folder / 'resources'}/".encode() if path is None else path
@@ -77,27 +66,12 @@ class Instance:
         more = own if kind == "CoSimulation" else ()
         self.component = library.instantiate[kind](*first, *more, None, self.logger, *last)
 
-    @property
-    def message(self) -> str:
-        """The last message."""
-        return self.log[-1][2]
-
-    def call(self, function: str, *arguments) -> int:
-        """Status of a bare call; the instance comes first by itself."""
-        return getattr(self.library.dll, function)(c_void_p(self.component), *arguments)
-
-    def free(self):
-        self.library.dll.fmi3FreeInstance(c_void_p(self.component))
-
     # life
 
     def enter(self, start=0.0, stop=None, tolerance=None):
         end = (c_bool(stop is not None), c_double(stop or 0.0))
         given = (c_bool(tolerance is not None), c_double(tolerance or 0.0))
         return self.call("fmi3EnterInitializationMode", *given, c_double(start), *end)
-
-    def exit(self):
-        return self.call("fmi3ExitInitializationMode")
 
     def start(self, start=0.0, stop=None):
         """Up to the first step."""
@@ -154,28 +128,3 @@ class Instance:
         status = self.call("fmi3DoStep", *given, *map(byref, told))
         self.told = tuple(place.value for place in told)
         return status
-
-    # snapshots
-
-    def save(self) -> c_void_p:
-        snapshot = c_void_p()
-        assert self.call("fmi3GetFMUState", byref(snapshot)) == OK
-        return snapshot
-
-    def restore(self, snapshot: c_void_p) -> int:
-        return self.call("fmi3SetFMUState", snapshot)
-
-    def forget(self, snapshot: c_void_p) -> int:
-        return self.call("fmi3FreeFMUState", byref(snapshot))
-
-    def serialise(self, snapshot: c_void_p) -> bytes:
-        size = c_size_t()
-        assert self.call("fmi3SerializedFMUStateSize", snapshot, byref(size)) == OK
-        data = ctypes.create_string_buffer(size.value)
-        assert self.call("fmi3SerializeFMUState", snapshot, data, size) == OK
-        return data.raw
-
-    def deserialise(self, data: bytes) -> tuple[int, c_void_p]:
-        snapshot = c_void_p()
-        status = self.call("fmi3DeserializeFMUState", data, c_size_t(len(data)), byref(snapshot))
-        return status, snapshot

@@ -10,7 +10,8 @@ import fmu_host
 import fmu_host3
 import numpy as np
 import pytest
-from fmu_host3 import DISCARD, ERROR, OK, Instance
+from fmu_host import DISCARD, ERROR, OK
+from fmu_host3 import Instance
 from lxml import etree
 
 from mbdfmi.compiler.model import compile_scene
