@@ -1,10 +1,12 @@
-"""`auto` against the best of the steppers that it chooses from, at equal error: 40 scenes, stiff and not.
+"""`auto` against the best of the steppers that it chooses from, at equal error: 44 scenes, stiff and not.
 
-    python -m benchmarks.choice [SCENE ...]
+    python -m benchmarks.choice [WORD ...]
 
-Each scene is run by rk54, rk853 and radau at some tolerances; what either costs at the error of `auto` is
-interpolated on a logarithmic scale. The error is that of all states at the end, beside their size, against
-the same run at a far smaller tolerance. Costs are CPU times of the steps alone, for `auto` the least of two.
+Each scene is run for as long as costs `auto` 50 ms at least, and by rk54, rk853 and radau over the same time
+at some tolerances; what either costs at the error of `auto` is interpolated on a logarithmic scale. The error
+is that of all states at some times, the largest, beside their size, against the same run at a far smaller
+tolerance. Costs are CPU times of the steps alone, the least of two. WORD: only scenes with one of these in
+their names.
 """
 
 import itertools
@@ -18,15 +20,24 @@ from mbdfmi.run.instance import Instance
 from mbdfmi.scene import SceneData
 
 TOLERANCE = 1e-6
-TOLERANCES = (1e-4, 1e-6, 1e-8)
+TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 REFERENCE = 1e-9
 STEPPERS = ("rk54", "rk853", "radau")
 
+# s, what a run costs at least
+LEAST = 0.05
 
-def net(rows, columns, stiffness, damping):
-    """Free bodies of 0.1 kg hung from the ground, each tied to its neighbours by damped springs."""
+# times at which states are compared
+N_COMPARED = 20
+
+
+def net(rows, columns, stiffness, damping, driven=False):
+    """Free bodies of 0.1 kg hung from the ground, each tied to its neighbours by damped springs.
+
+    driven : hung from a frame that is moved to and fro.
+    """
     element = {"spring_damper": {"stiffness": stiffness, "damping": damping, "rest_length": 0.095}}
-    body, joint, force, ground = {}, {}, {}, {}
+    body, joint, force, anchors = {}, {}, {}, {}
 
     for i, j in itertools.product(range(rows), range(columns)):
         name = f"b{i}_{j}"
@@ -35,28 +46,46 @@ def net(rows, columns, stiffness, damping):
         joint[f"f{i}_{j}"] = {"free": {}, "between": ["ground", name], "start": start}
 
         if i == 0:
-            ground[f"a{j}"] = {"position": [0.1 * j, 0, 0]}
+            anchors[f"a{j}"] = {"position": [0.1 * j, 0, 0]}
 
-        force[f"up{i}_{j}"] = element | {"between": [f"b{i - 1}_{j}" if i else f"ground.a{j}", name]}
+        above = f"b{i - 1}_{j}" if i else f"{'frame' if driven else 'ground'}.a{j}"
+        force[f"up{i}_{j}"] = element | {"between": [above, name]}
 
         if j:
             force[f"side{i}_{j}"] = element | {"between": [f"b{i}_{j - 1}", name]}
 
     scene = {"gravity": [0, 1, -9.81], "body": body, "joint": joint, "force": force}
-    return scene | {"ground": {"marker": ground}}
+
+    if driven:
+        body["frame"] = {"mass": 1.0, "inertia": [0.1] * 3, "marker": anchors}
+        joint["frame"] = _to_and_fro("frame", 0.02, 1.0)
+        return scene
+
+    return scene | {"ground": {"marker": anchors}}
 
 
-def chain(n, damper, closed=False, driven=False):
-    """Bars of 1 m on hinges; `closed`: the last pinned to the ground; `driven`: an input on the first."""
+def _to_and_fro(body, amplitude, frequency):
+    """A joint that moves a body along x (m, 1/s)."""
+    motion = {"harmonic": {"amplitude": amplitude, "frequency": frequency}}
+    return {"prismatic": {"axis": "x"}, "between": ["ground", body], "driver": motion}
+
+
+def chain(n, damper, closed=False, driven=None):
+    """Bars of 1 m on hinges, as a scene.
+
+    closed : the last pinned to the ground. driven : "torque", an input on the first, or "base", its hinge
+    moved to and fro, bars hanging.
+    """
     bar = {
         "mass": 1.0,
         "com": [0.5, 0, 0],
         "inertia": [0.001, 1 / 12, 1 / 12],
         "marker": {"e": {"position": [1, 0, 0]}},
     }
+    base = "cart" if driven == "base" else "ground"
     body = {f"b{k}": bar for k in range(n)}
     joint = {
-        f"j{k}": {"revolute": {}, "between": [f"b{k - 1}.e" if k else "ground", f"b{k}"], "damper": damper}
+        f"j{k}": {"revolute": {}, "between": [f"b{k - 1}.e" if k else base, f"b{k}"], "damper": damper}
         for k in range(n)
     }
     scene = {"gravity": [0, -9.81, 0], "body": body, "joint": joint}
@@ -65,61 +94,87 @@ def chain(n, damper, closed=False, driven=False):
         scene["ground"] = {"marker": {"far": {"position": [0.8 * n, 0, 0]}}}
         joint["pin"] = {"revolute": {}, "between": [f"b{n - 1}.e", "ground.far"]}
 
-    if driven:
+    if driven == "torque":
         joint["j0"]["input"] = "torque"
+
+    if driven == "base":
+        body["cart"] = {"mass": 1.0, "inertia": [0.1] * 3}
+        joint["cart"] = _to_and_fro("cart", 0.2, 0.5)
+
+    if not closed and driven != "torque":
+        joint["j0"]["start"] = {"angle_deg": -70}
 
     return scene
 
 
 def scenes():
-    """Name -> (scene, s of the run, s of a communication step, whether the input jumps at each)."""
+    """Name -> (scene, s of a communication step, amplitude (N m) of an input that jumps at each or 0)."""
     found = {}
 
     for (rows, columns), (stiffness, damping) in itertools.product(
         ((2, 2), (4, 4), (8, 5)), ((2e3, 0.5), (2e4, 5.0), (2e4, 50.0), (2e5, 50.0), (2e5, 5e3))
     ):
         found[f"net {rows} x {columns}, {stiffness:g} N/m, {damping:g} N s/m"] = (
-            net(rows, columns, stiffness, damping), 0.4, 0.02, False
+            net(rows, columns, stiffness, damping, driven=True), 0.02, 0.0
         )  # fmt: skip
 
-    found["net 46 x 5, 20000 N/m, 500 N s/m"] = (net(46, 5, 2e4, 500.0), 0.05, 0.01, False)
+    found["net 46 x 5, 20000 N/m, 500 N s/m"] = net(46, 5, 2e4, 500.0, driven=True), 0.01, 0.0
 
     for n, damper in itertools.product((2, 8, 32), (0.0, 1.0, 100.0, 1e4)):
-        found[f"chain of {n}, {damper:g} N m s"] = (chain(n, damper), 2.0, 0.02, False)
+        found[f"chain of {n}, {damper:g} N m s"] = (
+            chain(n, damper, driven="base" if damper else None),
+            0.02,
+            0.0,
+        )
 
-    found["chain of 100, 1 N m s"] = (chain(100, 1.0), 0.5, 0.02, False)
-    found["chain of 100, 1000 N m s"] = (chain(100, 1e3), 0.5, 0.02, False)
+    for n, damper in itertools.product((100, 250), (1.0, 1e3)):
+        found[f"chain of {n}, {damper:g} N m s"] = chain(n, damper, driven="base"), 0.02, 0.0
 
     for n, damper in itertools.product((3, 8), (0.0, 1.0, 1e3)):
-        found[f"closed chain of {n}, {damper:g} N m s"] = (chain(n, damper, closed=True), 2.0, 0.02, False)
+        found[f"closed chain of {n}, {damper:g} N m s"] = chain(n, damper, closed=True), 0.02, 0.0
 
     for n, damper in itertools.product((2, 16), (0.1, 1e3)):
-        found[f"chain of {n}, {damper:g} N m s, jumping torque"] = (
-            chain(n, damper, driven=True),
-            2.0,
-            0.02,
-            True,
-        )
+        for H in (0.02, 0.002):
+            name = f"chain of {n}, {damper:g} N m s, torque that jumps each {1e3 * H:g} ms"
+            found[name] = chain(n, damper, driven="torque"), H, 10.0
 
     return found
 
 
-def run(scene, until, H, jumps, integrator, tolerance):
-    """(states at the end, s of CPU)."""
+def run(scene, until, H, torque, integrator, tolerance):
+    """(states at N_COMPARED times, s of CPU, inner steps, work in evaluations)."""
     data = {
         "name": "x",
         "solver": {"integrator": integrator, "tolerance": tolerance, "absolute_tolerance": tolerance},
     }
     instance = Instance(compile_scene(SceneData.model_validate(scene | data)))
+    n = round(until / H)
+    compared = {round(n * (k + 1) / N_COMPARED) for k in range(N_COMPARED)}
+    states = []
     start = time.process_time()
 
-    for k in range(round(until / H)):
-        if jumps:
-            instance.u[0] = 10.0 * np.sin(3.0 * k * H)
+    for k in range(n):
+        if torque:
+            instance.u[0] = torque * np.sin(3.0 * k * H)
 
         instance.step(H)
 
-    return instance.d.x[: instance.m.n_x].copy(), time.process_time() - start
+        if k + 1 in compared:
+            states.append(instance.d.x[: instance.m.n_x].copy())
+
+    seconds = time.process_time() - start
+    d = instance.d
+    return np.array(states), seconds, int(d.steps[0]), d.evaluations[0] + d.linear_work[0]
+
+
+def long_enough(scene, H, torque):
+    """s of a run of `auto` that costs LEAST or more."""
+    until = N_COMPARED * H
+
+    while (cost := run(scene, until, H, torque, "auto", TOLERANCE)[1]) < LEAST:
+        until = H * np.ceil(until / H * min(10.0, max(1.2, 1.2 * LEAST / cost)))
+
+    return until
 
 
 def cost_at(error, points):
@@ -130,16 +185,18 @@ def cost_at(error, points):
     return float(np.exp(np.interp(np.log(max(error, 1e-16)), errors, costs)))
 
 
-def row(scene, until, H, jumps):
-    """(states, error of auto, its cost (s), cost of each stepper at that error, inf where far more)."""
-    exact, _ = run(scene, until, H, jumps, "radau" if len(scene["body"]) < 20 else "auto", REFERENCE)
+def row(scene, H, torque):
+    """(states, s of the run, error of auto, its cost (s), cost of each stepper at that error, inf where far
+    more)."""
+    until = long_enough(scene, H, torque)
+    exact = run(scene, until, H, torque, "radau" if len(scene["body"]) < 20 else "auto", REFERENCE)[0]
 
     def measured(integrator, tolerance):
-        x, cost = run(scene, until, H, jumps, integrator, tolerance)
-        return np.abs(x - exact).max() / (1.0 + np.abs(exact).max()), cost
+        runs = [run(scene, until, H, torque, integrator, tolerance) for _ in range(2)]
+        error = np.abs(runs[0][0] - exact).max() / (1.0 + np.abs(exact).max())
+        return error, min(r[1] for r in runs)
 
     error, cost = measured("auto", TOLERANCE)
-    cost = min(cost, measured("auto", TOLERANCE)[1])
     costs = {}
 
     for name in STEPPERS:
@@ -150,15 +207,15 @@ def row(scene, until, H, jumps):
             others = [measured(name, tolerance) for tolerance in TOLERANCES if tolerance != TOLERANCE]
             costs[name] = cost_at(error, [first, *others])
 
-    return len(exact), error, cost, costs
+    return exact.shape[1], until, error, cost, costs
 
 
 def main(chosen):
     """The table, in Markdown."""
     print(
-        "| | states | error | auto, ms | "
+        "| | states | run, s | error | auto, ms | "
         + " | ".join(STEPPERS)
-        + " | by the best |\n|---|---|---|---|---|---|---|---|"
+        + " | by the best |\n|---|---|---|---|---|---|---|---|---|"
     )
     ratios = []
 
@@ -166,13 +223,11 @@ def main(chosen):
         if chosen and not any(word in name for word in chosen):
             continue
 
-        states, error, cost, costs = row(*scene)
+        states, until, error, cost, costs = row(*scene)
         ratios.append(cost / min(costs.values()))
-        numbers = " | ".join(f"{1e3 * costs[s]:.1f}" for s in STEPPERS)
-        print(
-            f"| {name} | {states} | {error:.0e} | {1e3 * cost:.1f} | {numbers} | {ratios[-1]:.2f} |",
-            flush=True,
-        )
+        numbers = " | ".join(f"{1e3 * costs[s]:.0f}" for s in STEPPERS)
+        found = f"{states} | {until:.3g} | {error:.0e} | {1e3 * cost:.0f} | {numbers} | {ratios[-1]:.2f}"
+        print(f"| {name} | {found} |", flush=True)
 
     print(f"\n{len(ratios)} scenes: median {np.median(ratios):.2f}, worst {max(ratios):.2f}")
 

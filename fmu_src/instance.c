@@ -498,7 +498,7 @@ Status instance_step(Instance *c, double t, double H)
 void instance_restore(Instance *c, const void *block)
 {
     memcpy(c->core, block, c->core_size);
-    c->work[c->ints[AT_lu_known]] = 0;
+    c->work[c->ints[AT_lu_known]] = c->work[c->ints[AT_stages_here]] = 0;
     instance_changed(c);
 }
 

@@ -9,7 +9,8 @@
    state   state of one instance: in AT_time its time (s), in AT_notices the number of notices to
            tell in the log, in AT_notice the first MOST_NOTICES of them; the rest is the kernels'
            own, what prepare derives from the parameters too
-   work    scratch, zero at first; AT_lu_known is to be 0 when the state is not that of the last call
+   work    scratch, zero at first; AT_lu_known and AT_stages_here are to be 0 when the state is not that
+           of the last call
    u       N_DERIVATIVE*n_u: values of the inputs, then their derivatives of order 1 to 5 at the
            start of the step, which carries the values to its end and clears the derivatives
    y       n_y outputs

@@ -30,22 +30,28 @@ class Stepper(NamedTuple):
 
 
 AUTO = (
-    "embedded Runge-Kutta pair of order 8(5,3), or 5(4) where inputs jump often; while the motion is stiff, "
-    "the implicit Radau IIA method of order 5"
+    "embedded Runge-Kutta pair of order 8(5,3), or 5(4) or 3(2) where that costs less; while the motion is "
+    "stiff, the implicit Radau IIA method of order 5, or a stabilised method of order 2 where that costs less"
 )
 
 STEPPERS = {
     record.name: record
     for record in (
-        Stepper("auto", 6, 8, False, 16, 7, True, AUTO),
+        Stepper("auto", 8, 8, False, 16, 7, True, AUTO),
         Stepper("rk54", 0, 5, False, 7, 4, False, "embedded Runge-Kutta pair of order 5(4)"),
         Stepper("rk853", 1, 8, False, 16, 7, False, "embedded Runge-Kutta pair of order 8(5,3)"),
-        Stepper("radau", 2, 5, False, 10, 3, True, "implicit Radau IIA method of order 5"),
-        Stepper("rk4", 3, 4, True, 4, 0, False, "classical Runge-Kutta method of order 4"),
-        Stepper("ros2", 4, 2, True, 2, 0, True, "linearly implicit method of order 2"),
-        Stepper("gauss", 5, 8, True, 4, 4, False, "implicit and symmetric Gauss method of order 8"),
+        Stepper("radau", 3, 5, False, 10, 3, True, "implicit Radau IIA method of order 5"),
+        Stepper("rk4", 5, 4, True, 4, 0, False, "classical Runge-Kutta method of order 4"),
+        Stepper("ros2", 6, 2, True, 2, 0, True, "linearly implicit method of order 2"),
+        Stepper("gauss", 7, 8, True, 4, 4, False, "implicit and symmetric Gauss method of order 8"),
     )
 }
+
+RK32 = Stepper("rk32", 2, 3, False, 4, 3, False, "embedded Runge-Kutta pair of order 3(2)")
+"""Of `auto` alone: where inputs jump so often that steps are short for that reason."""
+
+RKC = Stepper("rkc", 4, 2, False, 4, 0, False, "stabilised Runge-Kutta-Chebyshev method of order 2")
+"""Of `auto` alone: where much decays fast and a Jacobian would cost too much."""
 
 ADAPTIVE = tuple(name for name, record in STEPPERS.items() if not record.fixed)
 FIXED_STEP = tuple(name for name, record in STEPPERS.items() if record.fixed)

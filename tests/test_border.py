@@ -122,7 +122,7 @@ def test_arrays_outside_their_buffers_are_refused(model, library, tmp_path):
     """Even where the GUID is that of the wrong numbers."""
     assert refusal(library, tmp_path / "good", resource(model, status.MESSAGES), model.guid) is None
     wrong = {row.name: layout.SLOT[row.name] for row in layout.ARRAYS[::7]}
-    wrong |= {name: layout.SLOT[name] for name in ("time", "notices", "notice", "lu_known")}
+    wrong |= {name: layout.SLOT[name] for name in ("time", "notices", "notice", "lu_known", "stages_here")}
     wrong |= {name: layout.COUNTS.index(name) for name in ("n_body", "n_u", "n_y", "n_knot")}
 
     for name, slot in wrong.items():

@@ -5,6 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 import mbdfmi
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 
 def cart(**solver):
@@ -166,3 +168,71 @@ def test_inputs_that_are_refused(given, said):
 def test_times_that_are_no_numbers(arguments):
     with pytest.raises(ValueError, match="needs a number, found"):
         cart().simulate(**arguments)
+
+
+# inputs by their derivatives, step by step, as a master gives them
+
+
+def follow(integrator, force, n=200, H=0.01):
+    """(instance of the cart, its speeds) of n steps under a force given by its value and derivatives at the start of each."""
+    instance = Instance(compile_scene(cart(integrator=integrator, tolerance=1e-8)))
+    speeds = []
+
+    for k in range(n):
+        for row, value in enumerate(force(k * H)):
+            instance.u[row] = value
+
+        instance.step(H)
+        speeds.append(instance.d.v[0])
+
+    return instance, np.array(speeds)
+
+
+GOING_ON = {
+    "held": (lambda t: [2.0], lambda t: 2.0 * t),
+    "ramp": (lambda t: [1.0 + 3.0 * t, 3.0], lambda t: t + 1.5 * t**2),
+    "through zero": (lambda t: [3.0 * t - 3.0, 3.0], lambda t: 1.5 * t**2 - 3.0 * t),
+    "parabola": (lambda t: [1.0 + 0.3 * t**2, 0.6 * t, 0.6], lambda t: t + 0.1 * t**3),
+    "quintic": (lambda t: [t**5, 5 * t**4, 20 * t**3, 60 * t**2, 120 * t, 120.0], lambda t: t**6 / 6),
+}
+
+
+@pytest.mark.parametrize("integrator", ["rk54", "rk853", "auto"])
+@pytest.mark.parametrize("name", GOING_ON)
+def test_what_goes_on_is_no_jump(name, integrator):
+    """Steps lead past communication points as they do when inputs are held; results are the closed form at each."""
+    force, speed = GOING_ON[name]
+    instance, speeds = follow(integrator, force)
+    assert_allclose(speeds, speed(0.01 * np.arange(1, 201)), rtol=1e-8, atol=1e-7)
+    assert instance.d.steps[0] < 70
+    assert instance.d.evaluations[0] < 400
+
+
+@pytest.mark.parametrize("integrator", ["rk54", "rk853", "auto", "radau"])
+@pytest.mark.parametrize("after", [0.0, -3.0, 3.1])
+def test_a_ramp_that_bends_is_followed(integrator, after):
+    """It bends at 1 s, without a jump; what was computed beyond is given up."""
+    instance, speeds = follow(
+        integrator, lambda t: [3.0 * t, 3.0] if t < 0.999 else [3.0 + after * (t - 1.0), after]
+    )
+    t = 0.01 * np.arange(1, 201)
+    before = 1.5 * np.minimum(t, 1.0) ** 2
+    later = np.maximum(t - 1.0, 0.0)
+    assert_allclose(speeds, before + 3.0 * later + 0.5 * after * later**2, atol=1e-7)
+
+
+def test_derivatives_that_are_not_given_again_end():
+    """They last one step: the force is held where the ramp came to."""
+    instance, speeds = follow("auto", lambda t: [3.0 * t, 3.0] if t < 0.005 else [], 20)
+    later = 0.01 * np.arange(20)
+    assert_allclose(speeds, 1.5e-4 + 0.03 * later, atol=1e-12)
+
+
+def test_smooth_functions_are_not_taken_for_polynomials_that_go_on():
+    """A sine's pieces differ by their higher derivatives: steps that lead past points would be lost again and again."""
+    results = {
+        name: cart(integrator="rk853", tolerance=1e-8).simulate(until=5, step=0.05, inputs={"j.force": law})
+        for name, law in (("sine", np.sin), ("held", np.sin(np.linspace(0, 5, 101))))
+    }
+    costs = {name: result["solver.evaluations"][-1] for name, result in results.items()}
+    assert costs["sine"] < 1.1 * costs["held"]

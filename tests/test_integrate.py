@@ -197,7 +197,7 @@ def test_step_size_survives_communication_steps():
         assert abs(rejected - rejected_alone) <= 2
 
 
-@pytest.mark.parametrize("integrator, evaluations", [("rk54", 7), ("rk853", 13), ("auto", 7)])
+@pytest.mark.parametrize("integrator, evaluations", [("rk54", 7), ("rk853", 13), ("auto", 4)])
 def test_inputs_that_jump_make_one_step_of_each_short_communication_step(integrator, evaluations):
     """And a new rate at its start. `auto` takes the pair with fewer stages, once it knows that steps are short."""
     scene = bars(2, solver={"integrator": integrator, "tolerance": 1e-6})

@@ -8,7 +8,7 @@ from test_integrate import instance_of, slope
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
-from mbdfmi.steppers import STEPPERS
+from mbdfmi.steppers import RK32, RKC, STEPPERS
 
 OMEGA = 3.0
 ADAPTIVE = ["rk54", "rk853", "radau", "auto"]
@@ -25,8 +25,8 @@ def oscillator(solver, stiffness=OMEGA**2, damper=0.0, start=1.0, **joint):
 
 
 def test_numbers_tell_steppers_apart():
-    numbers = [record.number for record in STEPPERS.values()]
-    assert sorted(numbers) == list(range(len(STEPPERS)))
+    numbers = [record.number for record in (*STEPPERS.values(), RK32, RKC)]
+    assert sorted(numbers) == list(range(len(numbers)))
 
 
 # order

@@ -63,7 +63,7 @@ def step(m, d, H):
         return status(BAD_STEP, 0)
 
     jumps = commands.begin(m, d, H)
-    onward = integrate.inputs_go_on(m, d)
+    onward = integrate.inputs_go_on(m, d, H)
     failure = OK
     reached = H
 

@@ -53,6 +53,7 @@ BODY_STUCK = 39
 
 # among steppers: another method must go on
 CHANGE_METHOD = 12
+CHANGE_PAIR = 17
 
 OUTPUT_NOT_FINITE = 13
 BAD_PARAMETER = 14

@@ -26,7 +26,7 @@ class Solver(Part):
     """How time advances inside a communication step.
 
     integrator : adaptive: "rk54" and "rk853", explicit, of order 5 and 8; "radau", implicit, of order 5, for stiff
-        motions; "auto", one of these, changed when the motion turns out to be stiff (in models of up to 500 states). With
+        motions; "auto", whichever of these, and of some of its own, costs least as the motion goes. With
         a fixed step: "rk4", explicit, of order 4; "ros2", linearly implicit, of order 2, for stiff motions in real time;
         "gauss", implicit and symmetric, of order 8, for the long run.
     formulation : "recursive", "embedding", "augmented", or "auto": joint coordinates, or, where many loops stand in a row and

@@ -524,8 +524,19 @@ def carry(m, d, H):
     """Inputs to where the courses of commands, and their own derivatives, led after H (s); derivatives last one step."""
     n = m.n_u
 
+    for k in range(n):
+        d.u_course[k] = d.u_buffer[k]
+
+        for row in range(1, N_DERIVATIVE):
+            d.u_course[row * n + k] = 0.0
+
     for k in range(n if d.u_varies[0] != 0.0 else 0):
-        d.u_buffer[k] = polynomial(m, d, k, H)
+        d.u_course[k] = polynomial(m, d, k, H)
+
+        for row in range(1, N_DERIVATIVE):
+            d.u_course[row * n + k] = derivative(m, d, k, row, H)
+
+        d.u_buffer[k] = d.u_course[k]
 
         for row in range(1, N_DERIVATIVE):
             d.u_buffer[row * n + k] = 0.0
@@ -569,6 +580,17 @@ def carry_turn(m, d, k, H):
 
         if m.command_u[3 * (c + i) + 2] >= 0:
             d.u_buffer[m.command_u[3 * (c + i) + 2]] = alpha[i]
+
+
+@inlined
+def derivative(m, d, k, row, s):
+    """Derivative `row` of input k at s (s) of the communication step, likewise."""
+    value = 0.0
+
+    for i in range(N_DERIVATIVE - 1, row - 1, -1):
+        value = d.u_buffer[i * m.n_u + k] + value * s / (i - row + 1)
+
+    return value
 
 
 @inlined

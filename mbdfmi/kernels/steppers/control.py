@@ -18,6 +18,9 @@ PI_BETA = 0.2
 SHRINK = 0.2
 GROW = 10.0
 
+# the first step, times the rate at which the rates change
+AT_FIRST = 2.0
+
 # errors less than this are taken for it in the memory of the controllers
 LEAST_ERROR = 1e-4
 
@@ -44,6 +47,29 @@ def weigh(m, d):
 
     for i in range(1, m.n_body):
         joints.weigh(m, d, i, rotation)
+
+
+@inlined
+def second_step(m, d, h, order):
+    """A first inner step (s) of a method of this order (HNW I, II.4), from x' in d.stage's row 0 and d.x_rate a step h (s) on."""
+    n = m.n_x
+    speed = 0.0
+    change = 0.0
+
+    for k in range(n):
+        v = d.stage[k] / d.x_scale[k]
+        dv = (d.x_rate[k] - d.stage[k]) / (h * d.x_scale[k])
+        speed += v * v
+        change += dv * dv
+
+    fastest = math.sqrt(max(speed, change) / n)
+
+    if not 0.0 < fastest < math.inf:
+        return h
+
+    # nor much longer than the motion takes to change: it may be stiff
+    stable = AT_FIRST * math.sqrt(speed / change) if change > 0.0 else math.inf
+    return min(stable, (0.01 / fastest) ** (1.0 / order))
 
 
 @inlined

@@ -8,6 +8,7 @@ from . import control
 def forget(d):
     """What steppers remember of a motion that does not go on so: an input jumped, a parameter or the method changed."""
     d.ahead[0] = 0.0
+    d.early_stages[0] = 0.0
     d.rate_known[0] = 0.0
     d.span[0] = 0.0
     d.error_before[0] = control.LEAST_ERROR

@@ -5,25 +5,14 @@ import math
 
 from .. import joints
 from ..dynamics.projection import keep_x, project, restore_x
-from ..dynamics.rates import evaluate, is_finite, set_time, store_rate
+from ..dynamics.rates import evaluate, set_time, store_rate
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
-from ..status import CHANGE_METHOD, NOT_ATTAINED, OK, TOO_MUCH_WORK, status, tell
-from . import choice, control, memory
-from .tableaux import (
-    DENSE,
-    DENSE_COUNT,
-    ERRORS,
-    GAP_COUNT,
-    GAPS,
-    NODES,
-    ORDER,
-    STABLE,
-    STAGE_COUNT,
-    STAGE_TOTAL,
-    STAGES,
-)
+from ..status import CHANGE_METHOD, CHANGE_PAIR, NOT_ATTAINED, OK, TOO_MUCH_WORK, status, tell
+from . import choice, control, early, memory
+from .estimates import MOST_TRIES, NOTHING, advance, allowance, extension_error, judge, length_again
+from .tableaux import DENSE, DENSE_COUNT, NODES, ORDER, STABLE, STAGE_COUNT, STAGE_TOTAL, STAGES
 
 # a step that would end this close behind the communication point ends there
 SLACK = 0.01
@@ -32,91 +21,10 @@ SLACK = 0.01
 # smooth motion, which the estimate exaggerates; and of one with kinks, or stiff, where it is far above that of the step
 EXTENSION_ALLOWED = 20.0
 UNSEEN_ALLOWED = 3.0
-UNSEEN = 3.0
-
-# the tolerance of a step past a singular position, where what rounding and the stages' errors make of the rows is large: nothing is
-# gained by less. What a row adds to the others there, and beside what it adds elsewhere in the step; or alone (docs/theory.md 18.4)
-ATTAINABLE = 2e-10
-SINGULAR = 1e-4
-PASSING = 0.1
-NOTHING = 1e-7
 
 # h |lambda| of a decaying motion that lasts, and the cosine that tells decay
 STIFF_DECAY = 1.5
 ALONG = 0.9
-
-
-@inlined
-def advance(m, d, pair, stage, step):
-    """d.x for a stage of a pair, from x_before and the rates of the stages before."""
-    n = m.n_x
-
-    for k in range(n):
-        slope = 0.0
-
-        for j in range(stage):
-            slope += STAGES[pair, stage, j] * d.stage[j * n + k]
-
-        d.x[k] = d.x_before[k] + step * slope
-
-
-@inlined
-def local_error(m, d, pair, step):
-    """(estimated error of a step, its estimate of order 5 alone). 1: just allowed. Root mean square over the weighed states.
-
-    The 8(5,3) pair damps its estimate of order 5 by that of order 3 (docs/theory.md 18.4).
-    """
-    n = m.n_x
-    squares = 0.0
-    rough = 0.0
-
-    for k in range(n):
-        fine = 0.0
-        coarse = 0.0
-
-        for j in range(STAGE_COUNT[pair]):
-            fine += ERRORS[pair, 0, j] * d.stage[j * n + k]
-            coarse += ERRORS[pair, 1, j] * d.stage[j * n + k]
-
-        fine /= d.x_scale[k]
-        coarse /= d.x_scale[k]
-        squares += fine * fine
-        rough += coarse * coarse
-
-    if squares == 0.0:
-        return 0.0, 0.0
-
-    return step * squares / math.sqrt((squares + 0.01 * rough) * n), step * math.sqrt(squares / n)
-
-
-@inlined
-def extension_error(m, d, pair, step, fine):
-    """(estimated error of a continuous extension with stages of its own, whether the step's own estimate sees hardly any of it).
-
-    1: just allowed at the end of a step (docs/theory.md 18.5).
-
-    Those stages tell what the others have not seen, a kink, and magnify what a stiff motion leaves of it. The extension misses
-    the states at which their rates were found by O(h^7) where the motion is smooth; that, weighed so that an error in one of
-    these rates counts as much as in the extension, is damped to O(h^8) by the step's estimate of order 5, `fine`.
-    """
-    n = m.n_x
-    squares = 0.0
-
-    for k in range(n):
-        for i in range(GAP_COUNT[pair]):
-            gap = 0.0
-
-            for j in range(STAGE_TOTAL[pair]):
-                gap += GAPS[i, j] * d.stage[j * n + k]
-
-            gap *= step / d.x_scale[k]
-            squares += gap * gap
-
-    if squares == 0.0:
-        return 0.0, False
-
-    squares /= n
-    return squares / math.sqrt(squares + fine * fine / 16.0), squares > UNSEEN * UNSEEN * fine * fine
 
 
 @inlined
@@ -197,12 +105,15 @@ def extend(m, d, pair, H):
 
 
 @inlined
-def is_at_border(m, d, pair, step):
-    """Whether a step is at the border of stability by the last two stages, both of the end of the step.
+def border_kind(m, d, pair, step):
+    """Where a step is beside the border of stability (choice.py) by the last two stages, both of the end of the step.
 
     For a change of state (dq, dv) of an eigenvalue lambda, dv' = lambda dv = lambda^2 dq. Where it decays (dv' against dv), the
     border is lower: such a motion would be gone after some steps if it were part of the solution.
     """
+    if not STABLE[pair] < math.inf:
+        return choice.WITHIN
+
     n = m.n_x
     last = STAGE_COUNT[pair] - 1
     position = 0.0
@@ -225,11 +136,15 @@ def is_at_border(m, d, pair, step):
             power += rate * slope
 
     if acceleration == 0.0 or position == 0.0 or velocity == 0.0:
-        return False
+        return choice.WITHIN
 
     decays = power < -ALONG * math.sqrt(velocity * acceleration)
     z = min(math.sqrt(acceleration / velocity), math.sqrt(step * math.sqrt(acceleration / position)))
-    return z > (STIFF_DECAY if decays else STABLE[pair])
+
+    if not z > (STIFF_DECAY if decays else STABLE[pair]):
+        return choice.WITHIN
+
+    return choice.DECAYS if decays else choice.OSCILLATES
 
 
 @inlined
@@ -244,37 +159,34 @@ def length_to_try(m, d, h, left, onward):
 
 
 @inlined
-def allowance(m):
-    """How many times the allowed error is allowed in a step past a singular position."""
-    return max(1.0, ATTAINABLE / max(m.tolerance[0], m.absolute_tolerance[0]))
-
-
-@inlined
 def tell_singular(m, d):
     """Says once that the tolerance is not attained."""
     if d.singular_told[0] == 0.0:
         d.singular_told[0] = 1.0
-        tell(d, status(NOT_ATTAINED, 0), m.tolerance[0], allowance(m) * m.tolerance[0])
+        tell(d, status(NOT_ATTAINED, 0), m.tolerance[0], allowance(m, MOST_TRIES) * m.tolerance[0])
 
 
 @inlined
-def try_step(m, d, pair, s, step, passes, share):
+def try_step(m, d, pair, s, step, passes, found, least, most, tries):
     """d.x a step (s) after x_before, at s (s), projected; with the continuous extension where the step `passes` H.
 
-    Needs the rate at s in stage 0; share : d.least_share there, negative where that is not known. Returns (error that
-    decides about the step and the next, estimate of it that is told, status).
+    Needs the rate at s in stage 0, and those of `found` stages in all; least, most : of d.least_share in them. Returns (error that
+    decides about the step and the next, estimate of it that is told, whether a singular position is too near, status).
     Errors: 1: just allowed, inf: not a number, or the status tells why there is no step.
     """
     failure = OK
-    least = share if share >= 0.0 else 1.0
-    most = share
 
-    for stage in range(1, STAGE_COUNT[pair]):
+    # the last of them is the state that the step leads to
+    for stage in range(min(found, STAGE_COUNT[pair] - 1), STAGE_COUNT[pair]):
         advance(m, d, pair, stage, step)
+
+        if stage < found:
+            continue
+
         failure = evaluate(m, d, s + NODES[pair, stage] * step)
 
         if failure != OK:
-            return math.inf, math.inf, failure
+            return math.inf, math.inf, False, failure
 
         store_rate(m, d, stage)
 
@@ -282,27 +194,21 @@ def try_step(m, d, pair, s, step, passes, share):
             least = min(least, d.least_share[0])
             most = max(most, d.least_share[0])
 
-    singular = least < NOTHING or (least < SINGULAR and least < PASSING * most)
-    error, fine = local_error(m, d, pair, step)
-    told = error
-
-    if not (error < math.inf and is_finite(d, m.n_x)):
-        return math.inf, math.inf, OK
-
-    if singular and error > 1.0:
-        error /= allowance(m)
-        fine /= allowance(m)
+    error, fine, told, singular = judge(m, d, pair, step, least, most, tries)
+    near = singular and least < NOTHING
 
     if error > 1.0:
-        return error, told, OK
+        return error, told, near, OK
 
     if told > 1.0:
         tell_singular(m, d)
 
+    # stages that were found early left another time
+    set_time(m, d, s + step)
     failure = project(m, d)
 
     if failure != OK or not passes:
-        return error if failure == OK else math.inf, told, failure
+        return error if failure == OK else math.inf, told, False, failure
 
     for k in range(m.n_x):
         d.front[k] = d.x[k]
@@ -311,10 +217,10 @@ def try_step(m, d, pair, s, step, passes, share):
     extension, unseen = extension_error(m, d, pair, step, fine)
 
     if failure != OK or not extension < math.inf:
-        return math.inf, math.inf, failure
+        return math.inf, math.inf, False, failure
 
     if singular and extension > 1.0:
-        extension /= allowance(m)
+        extension /= allowance(m, tries)
 
     estimate = max(told, extension)
 
@@ -324,7 +230,7 @@ def try_step(m, d, pair, s, step, passes, share):
     elif extension > EXTENSION_ALLOWED:
         error = extension / EXTENSION_ALLOWED
 
-    return error, estimate, OK
+    return error, estimate, near, OK
 
 
 @inlined
@@ -338,28 +244,39 @@ def length_after(m, d, pair, step, error, estimate):
 
 
 @inlined
-def length_again(d, pair, step, error):
-    """Length (s) of the step in place of one that is rejected; counts it."""
-    d.rejected[0] += 1.0
+def first_length(m, d, pair, s, H):
+    """Length (s) of the first step from s (s) on, by x' there, in stage 0, and a little further."""
+    for k in range(m.n_x):
+        d.x_before[k] = d.x[k]
 
-    if not error < math.inf:
-        return 0.1 * step
+    h = control.first_step(m, d, H, 0)
 
-    return step * max(control.SHRINK, control.SAFETY * error ** -(1.0 / ORDER[pair]))
+    for k in range(m.n_x):
+        d.x[k] += h * d.stage[k]
+
+    # at the same time: a drive that changes is not stiff
+    failure = evaluate(m, d, s)
+
+    for k in range(m.n_x):
+        d.x[k] = d.x_before[k]
+
+    return control.second_step(m, d, h, ORDER[pair]) if failure == OK else h
 
 
 @apart(Tuple((int64, float64))(MODEL, DATA, float64, float64, int64, boolean, boolean))
-def adaptive(m, d, s, H, pair, onward, watch):
+def adaptive(m, d, s, H, pair, onward, auto):
     """An explicit Runge-Kutta pair with adaptive inner steps from s to H (s) of the communication step.
 
-    onward : steps may lead past H, for nothing is known to change there. watch : give up when the motion is stiff.
+    onward : steps may lead past H, for nothing is known to change there. auto : give up when another method is better.
     The step to try next survives in d.next_step, also when the end of H cut the last one short. Returns
-    (status, time reached within H); status CHANGE_METHOD when it gave up.
+    (status, time reached within H); status CHANGE_METHOD or CHANGE_PAIR when it gave up.
     """
     h = d.next_step[pair]
-    known = memory.recall_rate(m, d)  # stage 0 holds the rate at s
+    found = early.take(m, d, pair)  # stages from s on that are known
+    known = memory.recall_rate(m, d) or found > 0  # stage 0 holds the rate at s
     end = OK
-    share = -1.0
+    share = d.early_share[0] if found > 0 else -1.0  # least_share there
+    tries = d.early_tries[0] if found > 0 else 0.0  # attempts of the step to come that were rejected
 
     while s < H and end == OK:
         if control.is_spent(d):
@@ -379,7 +296,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
         control.weigh(m, d)
 
         if not h > 0.0:
-            h = control.first_step(m, d, H, 0)
+            h = first_length(m, d, pair, s, H)
 
         h = min(h, m.max_step[0])
         step, reaches, passes = length_to_try(m, d, h, H - s, onward)
@@ -388,11 +305,25 @@ def adaptive(m, d, s, H, pair, onward, watch):
             return control.too_small(0.0 < step < math.inf, OK), s
 
         keep_x(m, d)
-        error, estimate, failure = try_step(m, d, pair, s, step, passes, share)
+
+        if found > 1 and step == d.early_step[0]:
+            least = d.early_share[1]
+            most = d.early_share[2]
+        else:
+            found = 1
+            least = share if share >= 0.0 else 1.0
+            most = share
+
+        error, estimate, near, failure = try_step(m, d, pair, s, step, passes, found, least, most, tries)
+        found = 1
 
         if error <= 1.0:
-            if watch and choice.leaves_pair(m, d, step, is_at_border(m, d, pair, step)):
-                end = status(CHANGE_METHOD, 0)
+            if auto:
+                if choice.leaves_pair(m, d, step, border_kind(m, d, pair, step), H):
+                    end = status(CHANGE_METHOD, 0)
+
+                if choice.watch_border(d, pair, step, H) and end == OK and not passes:
+                    end = status(CHANGE_PAIR, 0)
 
             known = m.n_row == 0
 
@@ -402,6 +333,7 @@ def adaptive(m, d, s, H, pair, onward, watch):
             if passes:
                 memory.remember_rate(m, d, known)
                 d.ahead[0] = s + step
+                d.front_time[0] = d.time[0] + d.ahead[0]
 
                 if extend(m, d, pair, H) != OK:
                     # no way to read the state off there: end a step there instead
@@ -416,16 +348,18 @@ def adaptive(m, d, s, H, pair, onward, watch):
 
             s = H if reaches else s + step
             length = length_after(m, d, pair, step, error, estimate)
+            tries = 0.0
 
             # a step that the end cut short says little about a longer one
             h = max(h, length) if reaches and step < h else length
 
         else:
             restore_x(m, d)
-            h = length_again(d, pair, step, error)
+            h = length_again(d, pair, step, error, near and share >= NOTHING)
+            tries += 1.0
 
             if not h >= control.least_step(H):
-                if not (watch and error < math.inf):
+                if not (auto and m.n_jacobian > 0 and error < math.inf):
                     return control.too_small(error < math.inf, failure), s
 
                 d.pair_rate[0] = 0.0

@@ -491,10 +491,10 @@ def safety(iterations):
 
 
 @apart(Tuple((int64, float64))(MODEL, DATA, float64, float64, boolean))
-def adaptive(m, d, s, H, watch):
+def adaptive(m, d, s, H, auto):
     """Radau IIA of order 5 with adaptive inner steps from s to H (s) of the communication step.
 
-    watch : give up when the motion is not stiff. Returns (status, time reached within H); status CHANGE_METHOD when it gave up.
+    auto : give up when the motion is not stiff. Returns (status, time reached within H); status CHANGE_METHOD when it gave up.
     """
     # where it would be found again, commands are not what they were
     if m.n_command > 0:
@@ -512,7 +512,7 @@ def adaptive(m, d, s, H, watch):
             return status(TOO_MUCH_WORK, 0), s
 
         keep_x(m, d)
-        found, failure = find_rate_and_jacobian(m, d, s, known, watch)
+        found, failure = find_rate_and_jacobian(m, d, s, known, auto)
 
         if failure != OK:
             return failure, s
@@ -540,7 +540,7 @@ def adaptive(m, d, s, H, watch):
             here = False
             again = False
 
-            if watch and choice.leaves_implicit(m, d, step):
+            if auto and choice.leaves_implicit(m, d, step):
                 end = status(CHANGE_METHOD, 0)
 
         else:

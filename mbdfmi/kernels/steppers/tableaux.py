@@ -7,9 +7,9 @@ two combinations of the stages that estimate the error, `DENSE[pair]` those of t
 
 import numpy as np
 
-from ...steppers import STEPPERS
+from ...steppers import RK32, STEPPERS
 
-PAIRS = tuple(STEPPERS[name] for name in ("rk54", "rk853"))
+PAIRS = (STEPPERS["rk54"], STEPPERS["rk853"], RK32)
 N_STAGE = max(pair.stage_rows for pair in PAIRS)
 N_DENSE = max(pair.dense_rows for pair in PAIRS)
 
@@ -319,6 +319,11 @@ DENSE_853 = [
     ],
 ]
 
+# Bogacki, Shampine, Appl. Math. Lett. 2 (1989) 321-325; its continuous extension is the cubic through both ends
+NODES_32 = [0, 1 / 2, 3 / 4, 1]
+STAGES_32 = [[], [1 / 2], [0, 3 / 4], [2 / 9, 1 / 3, 4 / 9]]
+ERRORS_32 = [[-5 / 72, 1 / 12, 1 / 9, -1 / 8]]
+
 
 def _padded(rows, shape):
     """Rows of unequal length in an array of zeros."""
@@ -331,16 +336,16 @@ def _padded(rows, shape):
 
 
 # the pairs' numbers are their places in what follows
-assert [pair.number for pair in PAIRS] == [0, 1]
+assert [pair.number for pair in PAIRS] == [0, 1, 2]
 
-STAGE_COUNT = np.array([7, 13])  # of a step
+STAGE_COUNT = np.array([7, 13, 4])  # of a step
 STAGE_TOTAL = np.array([pair.stage_rows for pair in PAIRS])  # and of its continuous extension
 DENSE_COUNT = np.array([pair.dense_rows for pair in PAIRS])  # coefficients of that
 ORDER = np.array([pair.order for pair in PAIRS])
-NODES = _padded([NODES_54, NODES_853], (2, N_STAGE))
-STAGES = np.array([_padded(rows, (N_STAGE, N_STAGE)) for rows in (STAGES_54, STAGES_853)])
-ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_853)])
-DENSE = np.array([_padded(rows, (N_DENSE - 3, N_STAGE)) for rows in (DENSE_54, DENSE_853)])
+NODES = _padded([NODES_54, NODES_853, NODES_32], (3, N_STAGE))
+STAGES = np.array([_padded(rows, (N_STAGE, N_STAGE)) for rows in (STAGES_54, STAGES_853, STAGES_32)])
+ERRORS = np.array([_padded(rows, (2, N_STAGE)) for rows in (ERRORS_54, ERRORS_853, ERRORS_32)])
+DENSE = np.array([_padded(rows, (N_DENSE - 3, N_STAGE)) for rows in (DENSE_54, DENSE_853, [])])
 
 
 def _gaps(pair, weights):
@@ -369,8 +374,8 @@ def _gaps(pair, weights):
 
 # where an extension has stages that the step's error estimate does not see: weighed so that an error in one of these rates
 # counts at least about as much as it does in the extension
-GAP_COUNT = np.array([0, 2])
+GAP_COUNT = np.array([0, 2, 0])
 GAPS = _gaps(1, (47.0, 0.2))
 
-# from where on h |lambda| is at the border of stability (the same codes)
-STABLE = np.array([3.25, 6.1])
+# from where on h |lambda| is at the border of stability (the same codes); inf: the last two stages do not tell
+STABLE = np.array([3.25, 6.1, np.inf])
