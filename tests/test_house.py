@@ -22,7 +22,7 @@ FLOORS = (
     ("run",),
     ("trace",),
     ("analysis", "export", "view"),
-    ("cosim",),
+    ("cosim", "probe"),
     ("api",),
     ("__init__",),
     ("cli",),

@@ -5,7 +5,8 @@ import subprocess
 import sys
 import tempfile
 
-from .terminal import doing, text_of
+from .tables import count, print_table, table_of
+from .terminal import doing, doing_here, note, text_of
 
 # runs ten steps of an FMU
 _TRIAL = """
@@ -15,6 +16,60 @@ start = float(getattr(experiment, "startTime", None) or 0)
 step = float(getattr(experiment, "stepSize", None) or 0.01)
 fmpy.simulate_fmu(sys.argv[1], start_time=start, stop_time=start + 10 * step, output_interval=step)
 """
+
+
+def probe_fmu(path, limit=None):
+    """Asks an FMU what no validator sees, and prints the answers.
+
+    limit : s, for each question. Raises ValueError with the number of faults, those of validation among them.
+    """
+    import fmpy
+    from rich.markup import escape
+
+    from ..probe import FAULT, LIMIT, probe
+
+    faults = []
+
+    try:
+        notes = check_fmu(path)
+    except ValueError as error:
+        if not _is_readable(path):
+            raise
+        notes, faults = "", str(error).splitlines()
+        note(faults)
+
+    if notes:
+        raise ValueError(f"{path}: it holds no library for {fmpy.platform}, nothing can be asked")
+
+    if fmpy.read_model_description(str(path), validate=False).coSimulation is None:
+        raise ValueError(f"{path}: it is for model exchange only; --probe asks FMUs for co-simulation")
+
+    with doing_here(f"{path}: asking") as progress:
+        answers = list(probe(path, limit or LIMIT, progress))
+
+    table = table_of("question", "", "seen")
+    for answer in answers:
+        style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
+        verdict = f"[{style}]{answer.verdict}[/]" if style else answer.verdict
+        table.add_row(answer.question, verdict, escape(answer.seen))
+    print_table(table)
+
+    faults += [answer.question for answer in answers if answer.verdict == FAULT]
+    if faults:
+        raise ValueError(f"{path}: {count(len(faults), 'fault')} found")
+
+    return ""
+
+
+def _is_readable(path):
+    """Whether there is an FMU of FMI 2 or 3 that can be run, valid or not."""
+    import fmpy
+
+    try:
+        description = fmpy.read_model_description(str(path), validate=False)
+        return description.fmiVersion[0] in "23" and fmpy.platform in fmpy.supported_platforms(str(path))
+    except Exception:  # fmpy has no class of its own for what it finds
+        return False
 
 
 def check_fmu(path):

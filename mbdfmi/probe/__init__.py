@@ -1,0 +1,94 @@
+"""Questions to an FMU of any maker that no static validator asks, each in a process of its own.
+
+What an FMU and its runs are is in `fmu`, the questions in `questions`, the processes here.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+FAULT, GOOD, ABSENT, TOLD = "fault", "good", "–", "told"
+"""What an answer is: something wrong; as it should be; not claimed, or nothing to ask; a figure alone."""
+
+LIMIT = 30.0
+"""s, that a question may take."""
+
+
+class Answer(NamedTuple):
+    """question : what was asked. verdict : FAULT, GOOD, ABSENT or TOLD. seen : what was found. In words."""
+
+    question: str
+    verdict: str
+    seen: str
+
+
+def probe(
+    path: str | os.PathLike, limit: float = LIMIT, progress: Callable[[str], None] = lambda text: None
+) -> Iterator[Answer]:
+    """The answers of an FMU (a file), one by one; `progress` is told what is asked.
+
+    A question that brings its process down, or takes longer than `limit` (s), is answered by that.
+    """
+    import fmpy
+
+    from .questions import QUESTIONS
+
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        fmpy.extract(str(path), folder)
+
+        for name, question in QUESTIONS.items():
+            words = (question.__doc__ or "").splitlines()[0].rstrip(".")
+            progress(words)
+            yield Answer(words, *_ask(folder, name, limit))
+
+
+def _ask(folder, name, limit):
+    """(verdict, what was seen) of a question, from a process of its own."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), own)
+        answer = Path(own) / "answer.json"
+        command = [sys.executable, "-m", __name__, folder, name, str(answer)]
+
+        done = subprocess.Popen(
+            command,
+            env=environment,
+            cwd=own,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        )
+
+        try:
+            told, _ = done.communicate(timeout=limit)
+        except subprocess.TimeoutExpired:
+            _end(done)
+            return FAULT, f"no answer within {limit:g} s"
+
+        if answer.is_file():
+            verdict, seen = json.loads(answer.read_text())
+            return verdict, seen
+
+        if done.returncode < 0:
+            return FAULT, f"brings its process down ({signal.Signals(-done.returncode).name})"
+
+        said = [line for line in told.splitlines() if line.strip()]
+        return FAULT, said[-1] if said else f"its process ends with {done.returncode}"
+
+
+def _end(process):
+    """Ends a process, and those that it started."""
+    if os.name == "posix":
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
+
+    process.communicate()
