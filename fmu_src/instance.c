@@ -349,6 +349,9 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
     else if (strcmp(guid, c->resource.guid) != 0)
         log_tell(&c->log, STATUS_ERROR, "the GUID is '%s', that of the resource file is '%s'", guid,
                  c->resource.guid);
+    else if (*mbdfmi_only_guid && strcmp(mbdfmi_only_guid, guid) != 0)
+        log_tell(&c->log, STATUS_ERROR, "the library is of one scene, '%s', and the GUID is '%s'",
+                 mbdfmi_only_guid, guid);
     else if (!allocate(c))
         log_tell(&c->log, STATUS_ERROR, "out of memory");
     else {
@@ -512,8 +515,23 @@ Core *instance_keep(Instance *c)
     return memcpy(c->before, c->core, c->core_size);
 }
 
+/* How often a library of one scene was not of use: its traced kernel had to leave it to the generic
+   one. */
+static void tell_generic_evaluations(Instance *c)
+{
+    double generic = c->work[c->ints[AT_generic_evaluations]];
+    double all = *in_state(c, AT_evaluations);
+
+    if (*mbdfmi_only_guid)
+        log_tell(&c->log, STATUS_OK,
+                 "of %.0f evaluations %.0f were left by the kernel traced for the scene to the "
+                 "generic one",
+                 all, generic);
+}
+
 Status instance_terminate(Instance *c)
 {
+    tell_generic_evaluations(c);
     c->core->mode = TERMINATED;
     return log_tell(&c->log, STATUS_OK, "terminated at t = %.9g s", c->core->time);
 }

@@ -92,9 +92,12 @@ class Scene(_scene.SceneData):
         with self._file_named():
             return self.equilibrium(hold=hold, parameters=parameters, time=time).scene
 
-    def simulate(self, until, step=None, inputs=None, parameters=None, **options):
+    def simulate(self, until, step=None, inputs=None, parameters=None, specialise=False, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
         name, that can be looked at: `results.view()`.
+
+        specialise : by a library of this scene alone, compiled for it and kept (docs/specialise.md): the same
+        numbers, faster.
         """
         from .run.simulate import inputs_at_start, simulate
         from .view.show import Run
@@ -108,7 +111,15 @@ class Scene(_scene.SceneData):
             parameters = {key: x for key, x in (parameters or {}).items() if not START_VALUE.search(key)}
 
         self._whole()
-        return Run.of(simulate(self._compiled(scene), until, step, inputs, parameters, **options))
+        model = self._compiled(scene)
+
+        if specialise:
+            from .export.specialise import scene_library
+            from .run.instance import Entries
+
+            options["kernels"] = Entries.of(scene_library(model))
+
+        return Run.of(simulate(model, until, step, inputs, parameters, **options))
 
     def show(self, path=None) -> Path:
         """The scene as it is assembled, as a page (.html), GLB or PNG; without a path, in the browser; see
@@ -220,6 +231,7 @@ class Scene(_scene.SceneData):
         platforms : e.g. ["x86_64-linux", "x86_64-windows"]; by default this machine's.
         with_scene : whether the file that it was read from goes with the FMU, in resources/.
         fmi : among the options, 2 or 3; by default FMI 2.0.
+        specialise : among the options, True for libraries of this scene alone (docs/specialise.md).
         """
         from .export import export_fmu
 

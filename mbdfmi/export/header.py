@@ -1,4 +1,5 @@
-"""layout.h: what the C wrapper knows of the package, written from the package's own tables when a library is linked.
+"""layout.h: what the C wrapper knows of the package, written from the package's own tables when a library is
+linked.
 
 No place in a buffer, no size, code or name that both languages use is written down twice.
 """
@@ -37,13 +38,16 @@ def layout_header() -> str:
     )
 
 
-def table_of_kernels() -> str:
-    """The text of a C file: a table of all kernels that stand apart, by which a process that loads the library calls them.
+def table_of_kernels(names: Iterable[str] | None = None, guid: str = "") -> str:
+    """The text of a C file: a table of kernels, by which a process that loads the library calls them.
+
+    names : of the kernels, by default all that stand apart. guid : of the one model that the library is for,
+    if it is.
 
     One symbol, not one for each kernel: those of two libraries in a process cannot be taken for each other.
     """
     assert loops  # all that stand apart are there once it is
-    names = sorted(APART)
+    names = sorted(APART if names is None else names)
     declared = "\n".join(f"void {name}(void);" for name in names)
     rows = "\n".join(f'    {{"{name}", {name}}},' for name in names)
     return f"""/* Written by {__name__} when a library is linked. */
@@ -52,6 +56,10 @@ def table_of_kernels() -> str:
 #else
 #define SHOWN __attribute__((visibility("default")))
 #endif
+
+/* The GUID of the one model that this library is for; empty: for all. */
+extern const char mbdfmi_only_guid[];
+const char mbdfmi_only_guid[] = "{guid}";
 
 /* Of whatever signature: native/library.py knows them. */
 {declared}
@@ -144,6 +152,8 @@ def _entries() -> str:
         result = f"{_TYPES[signature.return_type]}*status"
         lines.append(f"\nint32_t {name}({', '.join([result, 'void **excinfo', *arguments])});\n")
 
+    lines.append("\n/* The GUID of the one model that the library is for; empty: for all. */\n")
+    lines.append("extern const char mbdfmi_only_guid[];\n")
     return f"/* Entries of the kernels; see kernels.h. */\n{''.join(lines)}".rstrip()
 
 

@@ -30,7 +30,8 @@ class LinkError(Exception):
 
 
 def library(platform: str, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU library for a platform (a key of PLATFORMS): that of the package, from the cache, or built into it.
+    """The FMU library for a platform (a key of PLATFORMS): that of the package, from the cache, or built
+    into it.
 
     `progress` is told in a few words when something takes long. Raises aot.CompileError,
     LinkError, and ValueError for a platform that is not known.
@@ -45,11 +46,11 @@ def library(platform: str, progress: Callable[[str], None] = lambda text: None) 
             return folder / name
 
     result = cache_directory() / "fmu" / name
-    kernels = _kernels(progress)
+    halves = kernels(progress)
     progress(f"linking for {platform} (once per version)")
 
     with replacing(result) as file:
-        _link(PLATFORMS[platform], kernels, file)
+        link(PLATFORMS[platform], halves, file)
 
     return result
 
@@ -60,7 +61,7 @@ def library_name(platform: str) -> str:
     return f"{source_hash()}-{rest}-{platform}{PLATFORMS[platform].suffix}"
 
 
-def _kernels(progress):
+def kernels(progress):
     """The compiled kernels (LLVM IR), from the cache or made into it."""
     names = [f"{source_hash()}-{half}.ll" for half in range(aot.HALVES)]
     files = [cache_directory() / "fmu" / name for name in names]
@@ -110,15 +111,23 @@ def _hash(files: list[Path], *texts: str) -> str:
     return digest.hexdigest()[:20]
 
 
-def _link(platform: Platform, kernels: list[Path], library: Path) -> None:
-    """Links a platform's library from the wrapper and the kernels (LLVM IR), which are made side by side."""
+def link(
+    platform: Platform, compiled: list[Path], library: Path, table_text: str | None = None, flags: tuple = ()
+) -> None:
+    """Links a platform's library from the wrapper and the kernels (`compiled`: LLVM IR, or C), which are
+    made side by side.
+
+    table_text : of the table of kernels, by default of all that stand apart. flags : more of the compiler's.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / header.NAME).write_text(header.layout_header())
         table = folder / "table.c"
-        table.write_text(header.table_of_kernels())
-        objects = [folder / f"{source.stem}.o" for source in kernels]
-        _zig(platform, folder, [("-c", source, "-o", made) for source, made in zip(kernels, objects)])
+        table.write_text(table_text or header.table_of_kernels())
+        objects = [folder / f"{source.stem}.o" for source in compiled]
+        _zig(
+            platform, folder, [(*flags, "-c", source, "-o", made) for source, made in zip(compiled, objects)]
+        )
 
         output = folder / f"fmu{platform.suffix}"
         sources = [*sorted(wrapper_folder().glob("*.c")), table, *objects]

@@ -31,6 +31,7 @@ def export_fmu(
     fmi: int = 2,
     scene_file: str | os.PathLike | None = None,
     pictures: tuple[bytes, bytes] | None = None,
+    specialise: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Write a model as an FMU for co-simulation, and model exchange where it can, and return its path.
@@ -38,12 +39,13 @@ def export_fmu(
     platforms   keys of mbdfmi.native.platforms.PLATFORMS; default: the machine's own
     fmi         version of FMI: 2 (2.0) or 3 (3.0)
     scene_file  the file that the model was read from, to go with the FMU in resources/
-    pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general icon
-    progress    is told in a few words when something takes long
+    pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general
+    icon specialise  libraries of this scene alone, smaller and faster (docs/specialise.md); compiled for it
+    now progress    is told in a few words when something takes long
 
-    The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same model gives the
-    same bytes. Raises OSError, ValueError (unknown platform or version, unfit path), aot.CompileError, link.LinkError
-    and description.DescriptionError.
+    The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same
+    model gives the same bytes. Raises OSError, ValueError (unknown platform or version, unfit path),
+    aot.CompileError, link.LinkError and description.DescriptionError.
     """
     path = Path(path)
     check_ending(path, "an FMU is to be written", ".fmu", ".zip")
@@ -72,14 +74,25 @@ def export_fmu(
     if scene_file:
         files[f"resources/{Path(scene_file).name}"] = Path(scene_file).read_bytes()
 
+    library_of = _own_libraries(model, progress) if specialise else library
+
     for name in chosen:
-        data = library(name, progress).read_bytes()
+        data = library_of(name, progress).read_bytes()
 
         for folder in (PLATFORMS[name].folder3,) if fmi == 3 else PLATFORMS[name].folders:
             files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
 
     _write_archive(path, files)
     return path
+
+
+def _own_libraries(model, progress):
+    """A function like `library` that makes those of a model alone; what is made of it is told."""
+    from .specialise import own, scene_library
+
+    found = own(model)
+    progress(found.told)
+    return lambda name, progress: scene_library(model, name, progress, found)
 
 
 def _licence() -> bytes:

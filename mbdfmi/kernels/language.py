@@ -7,7 +7,7 @@ work on them and for those who measure single ones. The numbers are the same to 
 the bit.
 
 Rules of the language (they keep the native code free of Python and of allocation, and let the
-kernels be called with symbolic scalars one day):
+kernels be called with symbolic scalars, as the room `trace` does):
 
 - a vector is a 3-tuple, a matrix a tuple of three rows, a symmetric matrix the 6-tuple
   (xx, yy, zz, xy, xz, yz), an orientation the 4-tuple of Euler parameters E, scalar part last;

@@ -392,6 +392,7 @@ ARRAYS = (
     Array("strut_start", "state", 1, "n_strut", "m, length at the start"),
     Array("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
+    Array("generic_evaluations", "work", 1, 1, "evaluations that a kernel traced for the scene has left to the generic one"),
     Array("lu_known", "work", 1, 1, "1: jacobian is that of jacobian_x, 2: lu_real and lu_complex are of it and lu_step; to be cleared when the state is not that of the last call"),
     Array("stages_here", "work", 1, 1, "1: stage holds early_stages; to be cleared likewise"),
     Array("now", "work", 1, 1, "s, time of the evaluation"),

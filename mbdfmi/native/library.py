@@ -125,9 +125,9 @@ class _Row(ctypes.Structure):
 
 
 @cache
-def addresses() -> dict[str, int]:
-    """Symbol -> address of every kernel of the library, which is loaded now."""
-    library = ctypes.CDLL(str(ready()))
+def addresses(path: Path | None = None) -> dict[str, int]:
+    """Symbol -> address of every kernel of a library, by default that of all scenes, which is loaded now."""
+    library = ctypes.CDLL(str(path or ready()))
     table = ctypes.cast(ctypes.addressof(_Row.in_dll(library, TABLE)), ctypes.POINTER(_Row))
     found = {}
 
@@ -147,19 +147,21 @@ def apart(function, signature, symbol):
         nonlocal native
 
         if native is None:
-            native = _function(signature, symbol)
+            native = kernel_at(addresses()[symbol], signature, symbol)
 
         return native(m, d, *rest)
 
     return call
 
 
-def _function(signature, symbol):
-    """A kernel of the library as a function of m, d and what else its signature names."""
+def kernel_at(address, signature, symbol):
+    """The kernel of a library that is at an address as a function of m, d and what else its signature
+    names.
+    """
     m, d, *kinds = signature.args
     arguments: list = [ctypes.c_void_p] * (2 + _ADDRESSES[m.name] + _ADDRESSES[d.name])
     arguments += [_ARGUMENTS[kind.name] for kind in kinds]
-    native = ctypes.CFUNCTYPE(ctypes.c_int32, *arguments)(addresses()[symbol])
+    native = ctypes.CFUNCTYPE(ctypes.c_int32, *arguments)(address)
     passed = [(k, _PASSED[kind.name]) for k, kind in enumerate(kinds) if kind.name in _PASSED]
     result, value_of = _result(signature.return_type)
     exception = ctypes.addressof(_no_exception)

@@ -1,13 +1,16 @@
 """One run of a model in process: the same kernels as in an FMU, called as an FMU's master would."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ..compiler.model import Model
 from ..kernels import entry
 from ..kernels.status import MESSAGES, MOST_NOTICES, OK
+from ..native.library import addresses, kernel_at
 from ..scene import variable_name
 from .inputs import known, numbers
 
@@ -30,6 +33,7 @@ class Instance:
     start of a step, which last one step; y : outputs (n_y,) after
     `outputs`. notices : what a user should be told: of the scene, of its start, and, with the time, of the
     run. The run begins with the inputs' start values, or with `inputs` (position in u -> value).
+    kernels : entries of the kernels (`Entries`), those of the library of all scenes unless others are given.
     """
 
     def __init__(
@@ -38,8 +42,10 @@ class Instance:
         parameters: Mapping[str, float] | None = None,
         start_time: float = 0.0,
         inputs: Mapping[int, float] | None = None,
+        kernels=entry,
     ):
         self.model = model
+        self._kernels = kernels
         self.notices = list(model.notices)
         self.reals = model.reals.copy()
         self._prepared: bytes | None = None
@@ -58,7 +64,7 @@ class Instance:
             )
 
         self.prepare()
-        status = entry.initialise(self.m, self.d, start_time)
+        status = self._kernels.initialise(self.m, self.d, start_time)
         told = self._take_notices()
         self.notices += told
         self._check(status, told)
@@ -69,7 +75,7 @@ class Instance:
         """
         if self._prepared != self.reals.tobytes():
             self._prepared = None
-            self._check(entry.prepare(self.m, self.d))
+            self._check(self._kernels.prepare(self.m, self.d))
             self._prepared = self.reals.tobytes()
 
     @property
@@ -79,14 +85,14 @@ class Instance:
 
     def step(self, H: float):
         """Advance by H (s) with the inputs in `u`. Raises SimulationError."""
-        status = entry.step(self.m, self.d, H)
+        status = self._kernels.step(self.m, self.d, H)
         told = self._take_notices()
         self.notices += [f"{text} (time {self.time:.9g} s)" for text in told]
         self._check(status, told)
 
     def outputs(self) -> np.ndarray:
         """Outputs (n_y,) now, a view that the next call overwrites. Raises SimulationError."""
-        self._check(entry.compute_outputs(self.m, self.d, self.y))
+        self._check(self._kernels.compute_outputs(self.m, self.d, self.y))
         return self.y
 
     def _take_notices(self):
@@ -101,6 +107,23 @@ class Instance:
         if status != OK:
             text = "; ".join([explain(self.model, status), *told])
             raise SimulationError(f"{text} (time {self.time:.9g} s)", self.time)
+
+
+class Entries(NamedTuple):
+    """What an instance calls: kernels of `kernels.entry` in a library of their own."""
+
+    prepare: Callable
+    initialise: Callable
+    step: Callable
+    compute_outputs: Callable
+
+    @classmethod
+    def of(cls, path: Path) -> "Entries":
+        """Those of a library of one scene."""
+        found = addresses(path)
+        symbols = {kernel: symbol for symbol, kernel in entry.ENTRIES.items()}
+        kernels = [getattr(entry, name) for name in cls._fields]
+        return cls(*(kernel_at(found[symbols[k]], k.signature, symbols[k]) for k in kernels))
 
 
 def explain(model: Model, status: int, numbers=()) -> str:

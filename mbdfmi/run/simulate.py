@@ -5,9 +5,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ..compiler.model import Model
+from ..kernels import entry
 from ..kernels.motion.commands import N_DERIVATIVE
 from .inputs import Inputs, numbers
-from .instance import Instance
+from .instance import Entries, Instance
 from .results import Results
 from .states import States
 
@@ -20,6 +21,7 @@ def simulate(
     parameters: Mapping[str, float] | None = None,
     start_time: float = 0.0,
     progress: Callable[[float], None] | None = None,
+    kernels: Entries | None = None,
 ) -> Results:
     """Run a model in process from start_time to `until` (s).
 
@@ -31,6 +33,7 @@ def simulate(
         elements, or a function that returns them.
     parameters : values other than the scene's, by variable name; of an array without index all its elements.
     progress : called with the time reached (s) after each communication step.
+    kernels : of a library that is this scene's own.
 
     Returns all outputs and inputs by name, and what the solver had to say. Raises SimulationError when the
     motion cannot go on, KeyError for unknown names, ValueError for times or arrays that do not fit.
@@ -39,7 +42,7 @@ def simulate(
     times, steps = communication_points(start_time, until, step)
     n = len(steps)
     signals = Inputs(model, inputs or {}, times, _tolerance(model, parameters))
-    instance = Instance(model, parameters, start_time, signals.first())
+    instance = Instance(model, parameters, start_time, signals.first(), kernels or entry)
     u = instance.u.reshape(N_DERIVATIVE, -1)
     columns = np.empty((n + 1, model.n_u + model.n_y))
     states = States(model, n + 1)

@@ -340,6 +340,35 @@ class Graph:
 
         return sorted(seen)
 
+    def values_at(self, wanted, buffers, searches) -> dict:
+        """Values of some nodes, and of all that they need, where leaves have other values.
+
+        buffers : name -> numbers, in which a leaf stands that is called (name, place). searches : other
+        operation -> function of buffers, what it is about, and its operands.
+        """
+        found: dict = {}
+
+        for k in self.needed(wanted):
+            node = self.nodes[k]
+            args = [found[a] for a in node.args]
+
+            if node.op == "constant":
+                found[k] = self.values[k]
+            elif node.op == "leaf":
+                found[k] = float(buffers[node.about[0]][node.about[1]])
+            elif node.op == "load":
+                found[k] = float(buffers[node.about[0]][node.about[1] + args[0]])
+            elif node.op == "real":
+                found[k] = float(args[0])
+            elif node.op in FUNCTIONS:
+                found[k] = _quietly(getattr(math, node.op), *args)
+            elif node.op in _VALUES:
+                found[k] = _VALUES[node.op](*args)
+            else:
+                found[k] = searches[node.op](buffers, node.about, *args)
+
+        return found
+
     def depending(self, on):
         """The nodes that depend on some, these included (a set)."""
         found = set(on)

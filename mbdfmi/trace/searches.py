@@ -55,6 +55,18 @@ def _eccentric_anomaly(function):
     return eccentric_anomaly
 
 
+def _interval_at(buffers, about, x):
+    first, knots, at = about
+    return at + plain_function(tables.left_knot)(buffers["reals"], first, knots, x) - first
+
+
+def _eccentric_anomaly_at(buffers, about, M, e):
+    return plain_function(ellipses.eccentric_anomaly)(M, e)
+
+
+VALUES = {"interval": _interval_at, "eccentric_anomaly": _eccentric_anomaly_at}
+"""Operation -> its value for the buffers of a model, what it is about, and its operands."""
+
 REPLACED = {
     "math.tables.interval": _interval,
     "motion.ellipses.eccentric_anomaly": _eccentric_anomaly,

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 from ..kernels.language import APART
 from .c99 import C99, helpers
-from .places import GIVEN_WORK, KEPT_WORK, PREPARED, Everywhere, places_of, tunable
+from .graph import Graph
+from .places import GIVEN_WORK, KEPT_WORK, PREPARED, Everywhere, places, places_of, tunable
 from .plain import ROOM
 from .record import Guard, Tracer
+from .searches import VALUES
 from .write import Body, Places
 
 GENERIC = "_generic"
@@ -25,13 +27,20 @@ class Traced:
     """A kernel of one scene.
 
     symbol : what it is called in a library. text : its functions in C. operations : how many it does.
-    guards : what it rests on.
+    guards : what it rests on. graph : of all that.
     """
 
     symbol: str
     text: str
     operations: int
     guards: list[Guard]
+    graph: Graph
+
+    def failing(self, m, d) -> set[str]:
+        """Where in the kernels the branches are that go otherwise in a run's present state."""
+        buffers = {"reals": m.reals_buffer, "state": d.state_buffer, "work": d.work_buffer, "u": d.u_buffer}
+        found = self.graph.values_at([guard.node for guard in self.guards], buffers, VALUES)
+        return {guard.place for guard in self.guards if bool(found[guard.node]) is not guard.holds}
 
 
 def symbol_of(module: str, kernel: str) -> str:
@@ -76,14 +85,16 @@ def _written_out(tracer, model, symbol, status, kept):
 
     if conditions:
         lines.append(f"const int holds = {' & '.join(conditions)};")
-        lines += ["", "if (!holds) {", f"    return {symbol}{GENERIC}({', '.join(_names())});", "}", ""]
+        counted = f"d_work[{places(model, 'generic_evaluations').start}] += 1.0;"
+        called = f"return {symbol}{GENERIC}({', '.join(_names())});"
+        lines += ["", "if (!holds) {", f"    {counted}", f"    {called}", "}", ""]
 
     lines += [f"{_ARRAYS[buffer]}[{j}] = {body[k]};" for buffer, j, k in stores]
     lines += [f"*status = {status};", "return 0;"]
     inside = "\n".join(f"    {line}" if line else "" for line in lines)
     parts = [*helpers(body.calls), f"{_head(symbol + GENERIC)};", f"{_head(symbol)};"]
     parts.append(f"{_head(symbol)}\n{{\n{_unused(inside)}{inside}\n}}")
-    return Traced(symbol, "\n\n".join(parts), len(needed), guards)
+    return Traced(symbol, "\n\n".join(parts), len(needed), guards, graph)
 
 
 def _read(place):

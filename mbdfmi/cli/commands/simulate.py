@@ -37,6 +37,11 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
         help="communication step, s (default: T/500): how often results are kept; the solver's own steps are "
         "finer where they need to be",
     )
+    command.add_argument(
+        "--specialise",
+        action="store_true",
+        help="compile the kernels for this scene first: a faster run, the same numbers (docs/specialise.md)",
+    )
     add_result_files(command, "all inputs and outputs")
     add_view(command, "the motion")
     add_settings(command)
@@ -61,6 +66,8 @@ def run(options):
         )
 
     with time_bar(options.until) as progress:
-        results = scene.simulate(options.until, options.step, inputs, parameters, progress=progress)
+        results = scene.simulate(
+            options.until, options.step, inputs, parameters, options.specialise, progress=progress
+        )
 
     show(results, csv, plot, shown, options.at)

@@ -1,0 +1,164 @@
+"""Libraries of one scene: the same bits as the library of all scenes, smaller; where a guard fails the
+generic kernel.
+"""
+
+import zipfile
+from functools import cache
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+import mbdfmi
+from mbdfmi.cli import main
+from mbdfmi.export import specialise
+from mbdfmi.kernels import language
+from mbdfmi.run.instance import Entries, Instance
+
+MODELS = Path(__file__).parents[1] / "models"
+
+pytestmark = pytest.mark.skipif(
+    language.INTERPRETED or language.JIT, reason="libraries of one scene stand beside the compiled one"
+)
+
+
+@cache
+def scene(name, integrator):
+    """A scene of models/ by another integrator."""
+    found = mbdfmi.load(MODELS / f"{name}.toml")
+    found.solver = {"integrator": integrator} | ({"step": 1e-3} if integrator == "rk4" else {})
+    return found
+
+
+@cache
+def libraries(name, integrator):
+    """(model, library of it alone) of that."""
+    model = scene(name, integrator).compile()
+    return model, specialise.scene_library(model)
+
+
+def zipped(path, tmp_path):
+    """kB of a file in an archive."""
+    with zipfile.ZipFile(tmp_path / "one.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.write(path)
+
+    return (tmp_path / "one.zip").stat().st_size / 1024
+
+
+SOME = [("pendulum", "rk4"), ("four_bar", "auto"), ("marble_run", "rk4"), ("two_link_arm", "radau")]
+
+
+@pytest.mark.parametrize(("name", "integrator"), SOME)
+def test_a_scene_s_own_library_gives_the_same_bits(name, integrator):
+    model, library = libraries(name, integrator)
+    runs = [Instance(model), Instance(model, kernels=Entries.of(library))]
+
+    for k in range(50):
+        for run in runs:
+            run.u[: model.n_u] = 0.1 * (k // 10)
+            run.step(0.01)
+
+        first, second = (run.outputs().tobytes() for run in runs)
+        assert first == second
+        assert runs[0].d.state_buffer.tobytes() == runs[1].d.state_buffer.tobytes()
+
+    generic = runs[1].d.generic_evaluations[0]
+    assert runs[0].d.generic_evaluations[0] == 0 and generic < 0.02 * runs[1].d.evaluations[0]
+
+
+def test_parameters_stay_tunable():
+    model, library = libraries("pendulum", "rk4")
+    heavy = {"gravity[3]": -3.7}
+    runs = [Instance(model, heavy), Instance(model, heavy, kernels=Entries.of(library))]
+
+    for run in runs:
+        run.step(1.0)
+
+    assert runs[0].outputs().tobytes() == runs[1].outputs().tobytes()
+
+
+def test_a_parameter_that_was_zero_and_is_not_goes_to_the_generic_kernel():
+    model, library = libraries("pendulum", "rk4")
+    slant = {"gravity[1]": 1.0}
+    runs = [Instance(model, slant), Instance(model, slant, kernels=Entries.of(library))]
+
+    for run in runs:
+        run.step(1.0)
+
+    assert runs[0].outputs().tobytes() == runs[1].outputs().tobytes()
+    assert runs[1].d.generic_evaluations[0] == runs[1].d.evaluations[0] > 0
+
+
+@pytest.mark.parametrize(("integrator", "most"), [("rk4", 60), ("auto", 75)])
+def test_what_a_pendulum_has_no_use_for_is_not_in_its_library(integrator, most, tmp_path):
+    assert zipped(libraries("pendulum", integrator)[1], tmp_path) < most
+
+
+def test_an_FMU_of_it_is_the_same_and_says_how_often_it_was_of_use(tmp_path):
+    runs, texts = [], []
+
+    for specialised in (False, True):
+        path = scene("pendulum", "rk4").export(tmp_path / f"{specialised}.fmu", specialise=specialised)
+        told = []
+        runs.append(
+            fmpy.simulate_fmu(
+                str(path),
+                stop_time=1.0,
+                output_interval=0.05,
+                fmi_type="CoSimulation",
+                debug_logging=True,
+                logger=lambda *message, told=told: told.append(message[-1].decode()),
+            )
+        )
+        texts.append("\n".join(told))
+
+    assert np.array_equal(runs[0], runs[1])
+    assert "evaluations 0 were left" in texts[1] and "were left" not in texts[0]
+
+
+def test_the_library_of_another_scene_is_refused(tmp_path):
+    path = scene("pendulum", "rk4").export(tmp_path / "own.fmu", specialise=True)
+    other = scene("two_link_arm", "radau").export(tmp_path / "other.fmu")
+    mixed = tmp_path / "mixed.fmu"
+
+    with zipfile.ZipFile(path) as own, zipfile.ZipFile(other) as rest, zipfile.ZipFile(mixed, "w") as archive:
+        library = own.read(next(name for name in own.namelist() if name.startswith("binaries/")))
+
+        for name in rest.namelist():
+            archive.writestr(name, library if name.startswith("binaries/") else rest.read(name))
+
+    told = []
+
+    with pytest.raises(Exception, match=r"instantiate|Instantiate"):
+        fmpy.simulate_fmu(str(mixed), logger=lambda *message: told.append(message[-1].decode()))
+
+    assert any("the library is of one scene" in text for text in told)
+
+
+def test_a_large_scene_keeps_its_loops():
+    chain = {
+        "name": "chain",
+        "body": {f"b{k}": {"mass": 1.0, "inertia": [1.0, 2.0, 2.0]} for k in range(24)},
+        "joint": {
+            f"j{k}": {"spherical": {}, "between": [f"b{k - 1}" if k else "ground", f"b{k}"]}
+            for k in range(24)
+        },
+    }
+    found = specialise.own(mbdfmi.Scene(**chain).compile())
+    assert found.traced is None and "loops are faster" in found.told
+
+
+def test_commands_make_and_use_it(tmp_path, capsys):
+    text = (MODELS / "pendulum.toml").read_text(encoding="utf-8")
+    path = tmp_path / "own.toml"
+    path.write_text(text, encoding="utf-8")
+    tables = []
+
+    for more in ([], ["--specialise"]):
+        table = tmp_path / f"{len(more)}.csv"
+        assert main(["simulate", str(path), "--until", "1", "--csv", str(table), *more]) == 0
+        tables.append(table.read_bytes())
+
+    assert tables[0] == tables[1]
+    assert main(["export", str(path), "--specialise", "-o", str(tmp_path / "own.fmu")]) == 0
