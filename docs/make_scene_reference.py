@@ -12,7 +12,7 @@ from pathlib import Path
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from mbdfmi.scene import fields, geometry, looks, schema, water
+from mbdfmi.scene import fields, geometry, looks, schema, sea, water
 from mbdfmi.scene.fields import Part
 
 FOLDER = Path(__file__).parent
@@ -33,6 +33,7 @@ KINDS = {
     looks.Line: "list of ends",
     looks.FrameName: "text",
     looks.Names: "list of names",
+    sea.DataName: "name of a file",
     water.Sides: "whole number from 3 to 1000",
 }
 

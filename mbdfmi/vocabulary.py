@@ -255,6 +255,44 @@ HYDROSTATICS_OUTPUTS = table(
     Quantity("power", "W", words="power on the body"),
 )
 
+LINE_OUTPUTS = table(
+    Quantity("tension", "N", words="tension at the second end"),
+    Quantity("anchor_tension", "N", words="tension at the first end"),
+    Quantity("grounded_length", "m", words="length on the bed"),
+    Quantity("force", "N", 3, "force on the second end in the inertial frame"),
+    Quantity("power", "W", words="power on the bodies"),
+)
+
+HYDRODYNAMICS_OUTPUTS = table(
+    Quantity("radiation_force", "N", 3, "force of the waves that the body makes, in the inertial frame"),
+    Quantity(
+        "radiation_moment", "N.m", 3, "moment of these about the marker's origin, in the inertial frame"
+    ),
+    Quantity("radiation_power", "W", words="power of these on the body"),
+    Quantity("excitation_force", "N", 3, "force of the sea's waves in the inertial frame"),
+    Quantity(
+        "excitation_moment", "N.m", 3, "moment of these about the marker's origin, in the inertial frame"
+    ),
+    Quantity("excitation_power", "W", words="power of these on the body"),
+)
+
+SEA_OUTPUTS = table(Quantity("elevation", "m", words="elevation of the undisturbed sea at the origin"))
+
+ROTOR_PITCH = Quantity("pitch", "rad")
+WIND_VELOCITY = Quantity("velocity", "m/s", 3)
+
+ROTOR_OUTPUTS = table(
+    Quantity("thrust", "N", words="thrust along the axis"),
+    Quantity("torque", "N.m", words="torque of the wind about the axis"),
+    Quantity("wind", "m/s", words="wind along the axis that the moving hub feels"),
+    Quantity("power", "W", words="power of the wind on the body"),
+)
+
+MEMBER_OUTPUTS = table(
+    Quantity("force", "N", 3, "force of the water in the inertial frame"),
+    Quantity("power", "W", words="power of the water on the body"),
+)
+
 COUPLING_OUTPUTS = table(Quantity("efforts", words="effort"))
 """Along the coordinates of its joints, one each, in their units."""
 

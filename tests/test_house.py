@@ -17,7 +17,7 @@ PACKAGE = ROOT / "mbdfmi"
 
 FLOORS = (
     ("vocabulary", "steppers", "units", "files", "vectors", "rotations", "native"),
-    ("scene", "kernels"),
+    ("scene", "kernels", "hydro"),
     ("compiler",),
     ("run",),
     ("trace",),

@@ -269,8 +269,9 @@ def add_scene_outputs(builder):
 
         text = quantity.text
 
-        if output in OF_WATER and builder.tables["n_hull"].length:
-            text += " and buoyancy"
+        if output in OF_WATER:
+            parts = {"buoyancy": "n_hull", "lines": "n_line"}
+            text += "".join(f" and {part}" for part, count in parts.items() if builder.tables[count].length)
 
         builder.add_outputs(output, Source(SCENE_KINDS[output]), quantity.unit, text, nodes, fed_by)
 

@@ -147,6 +147,7 @@ class Builder:
     restricted : nodes whose positions, and whose velocities, follow from others by constraints.
     loop_hints : for each constraint, whose starts would help where it cannot be closed.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
+    radiations : forces with memories of waves, in the order of these.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     starts_elsewhere : joints start as was found on another tree, whatever is given.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
@@ -177,6 +178,7 @@ class Builder:
         self.loop_hints = []
         self.reactions = []
         self.torque_inputs = {}
+        self.radiations = []
         self._markers = {}
         self.coordinates = {}
         self.starts_elsewhere = start_angles is not None

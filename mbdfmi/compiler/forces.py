@@ -9,9 +9,12 @@ from ..vectors import norm
 from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS, TORSION_OUTPUTS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of
+from .hydrodynamics import add_hydrodynamics
+from .lines import add_catenary
 from .start import start_pose
 from .variables import dotted
-from .water import add_hydrostatics
+from .water import add_hydrostatics, add_member
+from .wind import add_rotor
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
@@ -220,4 +223,8 @@ ELEMENTS = {
     "bushing": _add_six_by_six,
     "load": _add_load,
     "hydrostatics": add_hydrostatics,
+    "hydrodynamics": add_hydrodynamics,
+    "catenary": add_catenary,
+    "rotor": add_rotor,
+    "member": add_member,
 }

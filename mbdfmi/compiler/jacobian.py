@@ -52,7 +52,7 @@ class Structure(NamedTuple):
 
 def find_structure(values, n_body, n_q, n_v, n_s, n_turn) -> Structure:
     """The structure of a model's Jacobian; values: its arrays by name."""
-    parts = _Parts(values, n_body, n_q + n_v, n_s)
+    parts = _Parts(values, n_body, n_q + n_v, n_s, n_turn)
     blocks = _turn_blocks(parts, n_q + n_v + n_s, n_turn)
     n_free = len(blocks)
     blocks += _position_blocks(parts)
@@ -67,7 +67,7 @@ def find_structure(values, n_body, n_q, n_v, n_s, n_turn) -> Structure:
 class _Parts:
     """Islands of a model's nodes, and which of them forces couple."""
 
-    def __init__(self, values, n_body, first_s, n_s):
+    def __init__(self, values, n_body, first_s, n_s, n_turn):
         self.values = values
         self.first_s = first_s
         self.kind = np.ravel(values["body_joint"]).astype(int)
@@ -91,6 +91,7 @@ class _Parts:
                 size[island] += self.n_v[i]
 
         self.parameters = self._parameters(n_s)
+        self._add_memories(n_s + n_turn)
         self.coupled = self._coupled()
 
     def _column(self, name):
@@ -166,6 +167,14 @@ class _Parts:
 
         return found
 
+    def _add_memories(self, first):
+        """Memories of the waves that bodies make, each to its body's island. first : where they stand behind the parameters."""
+        columns = ("radiation_marker", "radiation_memory", "radiation_memories")
+
+        for marker, begin, count in zip(*(self._column(name) for name in columns)):
+            for island in self.islands(self._bodies(marker)):
+                self.parameters[island] += range(first + begin, first + begin + count)
+
     def coordinate_ends(self, k):
         """Nodes that coordinate k outside the tree is between."""
         return self._bodies(self.values["coordinate_from"][k], self.values["coordinate_to"][k])
@@ -179,6 +188,7 @@ class _Parts:
                 ("six_by_six_from", "six_by_six_to"),
                 ("wrench_marker", "wrench_reaction", "wrench_axes"),
                 ("load_marker", "load_axes"),
+                ("line_from", "line_to"),
             )
             for markers in zip(*(self._column(name) for name in names))
         ]

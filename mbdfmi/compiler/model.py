@@ -31,6 +31,7 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
+from .hydrodynamics import add_sea
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -190,6 +191,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
         add_absolute_starts(builder, motion)
 
     add_forces(builder)
+    add_sea(builder)
     add_constraints(builder)
     tell_light_parts(builder)
     add_reactions(builder)
@@ -279,8 +281,8 @@ def _counts(builder, stepper):
         "n_q": builder.n_q,
         "n_v": builder.n_v,
         "n_s": n_s,
-        "n_z": n_s + counts["n_turn"],
-        "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"],
+        "n_z": n_s + counts["n_turn"] + counts["n_memory"],
+        "n_x": builder.n_q + builder.n_v + n_s + counts["n_turn"] + counts["n_memory"],
         "n_u": len(builder.inputs),
         "n_y": len(builder.outputs),
         "output_needs": outputs.needs(kinds),
@@ -325,6 +327,7 @@ def _jacobian(builder, stepper, counts):
 
     # a complex product is four real ones; what bodies and rows cost was told generously, without forces
     n_force = counts.get("n_strut", 0) + 2 * counts.get("n_six_by_six", 0)
+    n_force += 2 * counts["n_line"] + counts["n_corner"] // 10
     cost = 0.5 * evaluation_cost(builder, counts) + FORCE * n_force
     builder.single |= structure.single | {
         "jacobian_work": structure.n_evaluation,

@@ -11,7 +11,7 @@ from .end_frames import n_normal, parameter_units
 from .variables import Variable, dotted, subscripts
 
 # units of rates
-RATES = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2", None: "1/s"}
+RATES = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2", "m/s2": "m/s3", None: "1/s"}
 
 MOST_DEPENDENCIES = 300_000
 """Of outputs on states, that a description may list; a larger model is for co-simulation only."""
@@ -36,7 +36,7 @@ def list_states(builder, length: float) -> list[_State]:
         q += _positions(builder, i, node, length)
         v += _velocities(builder, i, node, length)
 
-    return [*q, *v, *_parameters(builder, length), *_turns(builder)]
+    return [*q, *v, *_parameters(builder, length), *_turns(builder), *_memories(builder)]
 
 
 def _size(builder, array, first, n, least):
@@ -105,6 +105,22 @@ def _turns(builder):
         twist = int(kinds[k][0]) == coordinates.TWIST
         about = f"{'twist' if twist else 'angle'} of {owner.get(k, 'a torsion spring')}, with its full turns"
         states.append(_State(f"{name}.state_turn", "rad", about, 1.0))
+
+    return states
+
+
+def _memories(builder):
+    """States of the waves that bodies made."""
+    tables, states = builder.tables, []
+    of_marker = tables["n_marker"].columns["marker_body"]
+    columns = tables["n_radiation"].columns
+
+    for name, marker, count in zip(
+        builder.radiations, columns.get("radiation_marker", []), columns.get("radiation_memories", [])
+    ):
+        about = f"memory of the waves that the body of {name} made"
+        node = int(of_marker[int(marker[0])][0])
+        states += [_State(f"{dotted(name)}.state_memory", "m/s2", about, 1.0, node)] * int(count[0])
 
     return states
 

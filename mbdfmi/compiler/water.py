@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..kernels import outputs
-from ..scene.water import Sea
+from ..scene.sea import Sea
 from ..vectors import dot
-from ..vocabulary import HYDROSTATICS_OUTPUTS
+from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
 from .variables import dotted
@@ -57,3 +57,36 @@ def add_hydrostatics(builder, name, force, ends):
         source = Source(HYDROSTATICS_KINDS[output], row)
         nodes = [builder.node_of(force.on)]
         builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
+
+
+def add_member(builder, name, force, ends):
+    """A member that water drags at."""
+    spec, sea, tables = force.member, builder.scene.sea or Sea(), builder.tables
+    current = sea.current
+
+    if current and not tables["n_current"].length:
+        profile = [current.exponent, sea.depth or 1.0]
+        tables["n_current"].add(current_velocity=current.velocity, current_profile=profile)
+        about = "velocity of the current at the surface"
+        builder.add_parameters("sea.current", Place("current_velocity"), current.velocity, "m/s", about)
+
+    row = tables["n_member_drag"].add(
+        member_from=ends[0],
+        member_to=ends[1],
+        member_sections=spec.sections,
+        member_value=[spec.diameter, spec.drag, spec.axial_drag],
+        member_density=sea.density,
+    )
+
+    for k, (key, about) in enumerate((("drag", "across"), ("axial_drag", "along")), 1):
+        place = Place("member_value", row, k)
+        about = f"drag coefficient {about} {name}"
+        builder.add_parameters(dotted(name, key), place, getattr(spec, key), None, about)
+
+    for output in force.output:
+        quantity = MEMBER_OUTPUTS[output]
+        kind = outputs.MEMBER_FORCE if output == "force" else outputs.MEMBER_POWER
+        nodes = [builder.node_of(force.between[0])]
+        builder.add_outputs(
+            dotted(name, output), Source(kind, row), quantity.unit, f"{name}: {quantity.text}", nodes
+        )

@@ -7,7 +7,7 @@ import math
 
 from . import exchange, forces, joints, notes, outputs
 from .dynamics import assembly, forward, inertia, projection, rates, reactions, rows
-from .forces import struts
+from .forces import radiation, struts
 from .joints import virtual
 from .language import apart, inlined
 from .motion import commands, drives, kinematics
@@ -40,6 +40,7 @@ def initialise(m, d, t0):
 
     kinematics.kinematics(m, d)
     struts.keep_start_lengths(m, d)
+    radiation.reset(m, d)
     notes.tell_of_start(m, d)
     return OK
 

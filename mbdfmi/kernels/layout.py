@@ -18,7 +18,7 @@ COUNTS = (
     "n_body",  # nodes of the tree, the ground included
     "n_q",  # position coordinates
     "n_v",  # velocity coordinates
-    "n_z",  # other states: parameters of end frames, then angles of joints outside the tree
+    "n_z",  # other states: parameters of end frames, angles of joints outside the tree, memories of waves made
     "n_x",  # integrated states: n_q + n_v + n_z
     "n_solid",  # the user's bodies, each fixed in a node
     "n_marker",
@@ -38,6 +38,17 @@ COUNTS = (
     "n_hull_vertex",
     "n_polygon",  # their faces
     "n_corner",  # corners of these
+    "n_line",  # catenaries between two markers
+    "n_radiation",  # memories of the waves that bodies make
+    "n_memory",  # their states
+    "n_excitation",  # what waves do to bodies
+    "n_part",  # components of that
+    "n_sea_wave",  # components of the sea
+    "n_current",  # 1: the sea has a current
+    "n_member_drag",  # members that water drags at
+    "n_wind",  # 1: wind
+    "n_wind_rotor",  # rotors in it
+    "n_cell",  # pieces of their tables
     "n_constraint",  # joints that close loops, rolling, couplings
     "n_row",  # their scalar equations
     "n_term",  # joint coordinates in couplings and in drives of joints that close loops
@@ -148,6 +159,24 @@ ARRAYS = (
     Array("polygon_corner", "ints", 1, "n_polygon", "first corner"),
     Array("polygon_corners", "ints", 1, "n_polygon", "number of these"),
     Array("corner_vertex", "ints", 1, "n_corner", "vertex, turning left seen from outside"),
+    Array("line_from", "ints", 1, "n_line", "first marker, the anchor of one with a bed"),
+    Array("line_to", "ints", 1, "n_line", "second marker"),
+    Array("line_bed", "ints", 1, "n_line", "1: it may lie on a bed as high as its first marker"),
+    Array("radiation_marker", "ints", 1, "n_radiation", "marker whose velocities make waves"),
+    Array("radiation_memory", "ints", 1, "n_radiation", "first of its states"),
+    Array("radiation_memories", "ints", 1, "n_radiation", "number of these"),
+    Array("memory_mate", "ints", 1, "n_memory", "the other state of its pair, itself where it has none"),
+    Array("excitation_marker", "ints", 1, "n_excitation", "marker at which waves act"),
+    Array("excitation_part", "ints", 1, "n_excitation", "first of its components"),
+    Array("excitation_parts", "ints", 1, "n_excitation", "number of these"),
+    Array("member_from", "ints", 1, "n_member_drag", "first marker"),
+    Array("member_to", "ints", 1, "n_member_drag", "second marker, on the same node"),
+    Array("member_sections", "ints", 1, "n_member_drag", "sections with two points each"),
+    Array("wind_u", "ints", 1, "n_wind", "first of the 3 inputs that tell its velocity, -1: none"),
+    Array("wind_rotor_marker", "ints", 1, "n_wind_rotor", "marker about whose x axis it turns"),
+    Array("wind_rotor_u", "ints", 1, "n_wind_rotor", "input that tells the blades' pitch, -1: none"),
+    Array("rotor_cell", "ints", 1, "n_wind_rotor", "first piece of its tables, pitch runs fastest"),
+    Array("rotor_cells", "ints", 2, "n_wind_rotor", "numbers of pieces along tip speed ratio and pitch"),
     Array("constraint_from", "ints", 1, "n_constraint", "first marker"),
     Array("constraint_to", "ints", 1, "n_constraint", "second marker"),
     Array("constraint_row", "ints", 1, "n_constraint", "first row"),
@@ -271,6 +300,16 @@ ARRAYS = (
     Array("load_moment", "reals", 3, "n_load", "N m"),
     Array("central_mu", "reals", 1, "n_central", "m3/s2, weight -mu r / |r|^3 per mass"),
     Array("hull_density", "reals", 1, "n_hull", "kg/m3, of the water"),
+    Array("line_length", "reals", 1, "n_line", "m, unstretched"),
+    Array("line_mass", "reals", 1, "n_line", "kg/m, less that of the water displaced"),
+    Array("line_stiffness", "reals", 1, "n_line", "N, tension by strain"),
+    Array("current_velocity", "reals", 3, "n_current", "m/s, in O, at the surface"),
+    Array("current_profile", "reals", 2, "n_current", "exponent of the height over the bed, depth (m)"),
+    Array("member_value", "reals", 3, "n_member_drag", "diameter (m), drag coefficients across and along"),
+    Array("member_density", "reals", 1, "n_member_drag", "kg/m3, of the water"),
+    Array("wind_velocity", "reals", 3, "n_wind", "m/s, in O, at the height of reference"),
+    Array("wind_profile", "reals", 2, "n_wind", "exponent of height, height of reference (m)"),
+    Array("wind_rotor_value", "reals", 3, "n_wind_rotor", "radius (m), density of air (kg/m3), blades' pitch (rad)"),
     Array("row_value", "reals", 1, "n_row", "m: length, radius; or cosine of an angle"),
     Array("row_offset", "reals", 1, "n_row", "constant of a coupling"),
     Array("term_factor", "reals", 1, "n_term", "of the coordinate"),
@@ -301,6 +340,15 @@ ARRAYS = (
     Array("solid_A", "reals", 9, "n_solid", "user's body axes to the node's"),
     Array("marker_r", "reals", 3, "n_marker", "m, in the node"),
     Array("marker_A", "reals", 9, "n_marker", "marker axes to the node's"),
+    Array("memory_pole", "reals", 2, "n_memory", "1/s: rate by the state itself and by its mate"),
+    Array("memory_from", "reals", 6, "n_memory", "rate by velocity and angular velocity of the marker, in inertial axes"),
+    Array("memory_to", "reals", 6, "n_memory", "N, N m: the state times this is taken off force and moment"),
+    Array("excitation_step", "reals", 1, "n_excitation", "s, from knot to knot"),
+    Array("part_omega", "reals", 1, "n_part", "rad/s"),
+    Array("part_force", "reals", 12, "n_part", "N, N m: real parts, then imaginary ones, of force and moment"),
+    Array("sea_wave", "reals", 5, "n_sea_wave", "amplitude (m), frequency (rad/s), phase (rad), wave numbers along x and y (rad/m)"),
+    Array("rotor_grid", "reals", 4, "n_wind_rotor", "first tip speed ratio and step, first pitch and step (rad)"),
+    Array("cell_c", "reals", 32, "n_cell", "of C_T, then of C_Q: coefficients of s1^i s2^j, j runs fastest"),
     Array("vertex_r", "reals", 3, "n_hull_vertex", "m, in the axes of the hull's marker"),
     Array("x_nominal", "reals", 1, "n_x", "size that the states have, for integrators outside"),
     # state
@@ -371,7 +419,7 @@ ARRAYS = (
     Array("lu_step", "state", 1, 1, "s, step that the Newton matrices are of"),
     Array("q", "state", 1, "n_q", "position coordinates"),
     Array("v", "state", 1, "n_v", "velocity coordinates"),
-    Array("z", "state", 1, "n_z", "parameters of end frames, angles outside the tree"),
+    Array("z", "state", 1, "n_z", "parameters of end frames, angles outside the tree, memories of waves made"),
     Array("x", "state", 1, "n_x", "q, v, z in a row", over="q"),
     Array("body_m", "state", 1, "n_body", "kg, mass (prepared from the solids)"),
     Array("body_h", "state", 3, "n_body", "kg m, mass times centre of mass, in the node"),
@@ -437,6 +485,8 @@ ARRAYS = (
     Array("M", "work", 6, "n_body", "translational block"),
     Array("moment", "work", 3, "n_body", "N m, applied, about the origin"),
     Array("force", "work", 3, "n_body", "N, applied"),
+    Array("excitation_key", "work", 8, "n_excitation", "which knots stand in the ring (forces/waves.py)"),
+    Array("excitation_knot", "work", 144, "n_excitation", "values and derivatives at them"),
     Array("hull_point", "work", 3, "n_hull_vertex", "m, in inertial axes, x and y from the marker, z from the water plane"),
     Array("alpha", "work", 3, "n_body", "rad/s2, angular acceleration"),
     Array("rdd", "work", 3, "n_body", "m/s2, acceleration of the origin"),

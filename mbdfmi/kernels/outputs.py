@@ -9,15 +9,20 @@ from . import forces
 from .dynamics import inertia, reactions
 from .end_frames import frames, on_surfaces, touching
 from .forces import (
+    catenaries,
     central_gravity,
     friction,
     gravity_gradient,
     hydrostatics,
     joint_springs,
     loads,
+    members,
+    radiation,
     six_by_six,
     stops,
     struts,
+    waves,
+    wind_rotors,
 )
 from .language import inlined, kernel
 from .math import algebra as al
@@ -121,6 +126,29 @@ HULL_DRAUGHT = 76
 HULL_FORCE = 77
 HULL_MOMENT = 78
 HULL_POWER = 79
+# of line a, on its second end
+LINE_TENSION = 80
+LINE_ANCHOR_TENSION = 81
+LINE_GROUNDED = 82
+LINE_FORCE = 83
+LINE_POWER = 84
+# of radiation a and of excitation a, at their markers
+RADIATION_FORCE = 85
+RADIATION_MOMENT = 86
+RADIATION_POWER = 87
+EXCITATION_FORCE = 88
+EXCITATION_MOMENT = 89
+EXCITATION_POWER = 90
+# of the sea at marker a
+ELEVATION = 91
+# of the wind's rotor a
+ROTOR_THRUST = 92
+ROTOR_TORQUE = 93
+ROTOR_WIND = 94
+ROTOR_POWER = 95
+# of member a
+MEMBER_FORCE = 96
+MEMBER_POWER = 97
 # of the whole scene
 INPUTS_POWER = 60
 LOADS_POWER = 61
@@ -133,6 +161,7 @@ VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
 VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT, END_FRAME_AXIS}
 VECTORS |= {CONTACT_POINT, FRICTION_FORCE}
 VECTORS |= {HULL_CENTER, WATERPLANE_CENTER, WATERPLANE_MOMENTS, HULL_FORCE, HULL_MOMENT}
+VECTORS |= {LINE_FORCE, RADIATION_FORCE, RADIATION_MOMENT, EXCITATION_FORCE, EXCITATION_MOMENT, MEMBER_FORCE}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
 
 # what they need beside kinematics: bits of `output_needs`
@@ -303,6 +332,50 @@ def write_hull_output(m, d, kind, a, at, y):
 
 
 @kernel
+def write_line_output(m, d, kind, a, at, y):
+    """An output of line a into y from `at` on."""
+    if kind == LINE_POWER:
+        y[at] = catenaries.power_of(m, d, a)
+
+    elif kind == LINE_GROUNDED:
+        y[at] = catenaries.grounded(m, d, a)
+
+    else:
+        force = catenaries.force_on(m, d, a, 0 if kind == LINE_ANCHOR_TENSION else 1)
+
+        if kind == LINE_FORCE:
+            al.set_vec_at(y, at, force)
+        else:
+            y[at] = al.norm(force)
+
+
+@kernel
+def write_wave_output(m, d, kind, a, at, y):
+    """An output of radiation a, of excitation a, or of the sea at marker a into y from `at` on."""
+    if kind == ELEVATION:
+        r = markers.position(m, d, a)
+        y[at] = waves.elevation(m, d, r[0], r[1])
+
+    elif kind == RADIATION_POWER or kind == EXCITATION_POWER:
+        y[at] = radiation.power_of(m, d, a) if kind == RADIATION_POWER else waves.power_of(m, d, a)
+
+    else:
+        of_radiation = kind == RADIATION_FORCE or kind == RADIATION_MOMENT
+        moment, force = radiation.wrench(m, d, a) if of_radiation else waves.wrench(m, d, a)
+        al.set_vec_at(y, at, force if kind == RADIATION_FORCE or kind == EXCITATION_FORCE else moment)
+
+
+@kernel
+def write_rotor_output(m, d, kind, a, at, y):
+    """An output of the wind's rotor a into y from `at` on."""
+    if kind == ROTOR_POWER:
+        y[at] = wind_rotors.power_of(m, d, a)
+    else:
+        U, thrust, torque, axis = wind_rotors.loads(m, d, a)
+        y[at] = thrust if kind == ROTOR_THRUST else (torque if kind == ROTOR_TORQUE else U)
+
+
+@kernel
 def write_scene_output(m, d, kind, at, y):
     """An output of the whole scene into y from `at` on."""
     if kind == CONSTRAINT_GAP:
@@ -335,7 +408,7 @@ def write_scene_output(m, d, kind, at, y):
         y[at] = forces.supplied_by_inputs(m, d)
 
     elif kind == LOADS_POWER:
-        y[at] = loads.power(m, d)
+        y[at] = loads.power(m, d) + waves.power(m, d) + wind_rotors.power(m, d)
 
     elif kind == DRIVES_POWER:
         y[at] = reactions.power_of_drives(m, d)
@@ -479,6 +552,22 @@ def write_outputs(m, d, y):
 
         elif HULL_VOLUME <= kind <= HULL_POWER:
             write_hull_output(m, d, kind, a, at, y)
+
+        elif LINE_TENSION <= kind <= LINE_POWER:
+            write_line_output(m, d, kind, a, at, y)
+
+        elif RADIATION_FORCE <= kind <= ELEVATION:
+            write_wave_output(m, d, kind, a, at, y)
+
+        elif ROTOR_THRUST <= kind <= ROTOR_POWER:
+            write_rotor_output(m, d, kind, a, at, y)
+
+        elif kind == MEMBER_POWER:
+            y[at] = members.power_of(m, d, a)
+
+        elif kind == MEMBER_FORCE:
+            f = members.drag(m, d, a)
+            al.set_vec_at(y, at, (f[3], f[4], f[5]))
 
         elif kind == LOAD_POWER:
             y[at] = loads.power_of(m, d, a)

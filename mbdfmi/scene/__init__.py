@@ -39,18 +39,22 @@ from .joints import (
     Translation,
     Universal,
 )
+from .lines import Catenary
 from .measures import Measure
 from .names import fmi_name, variable_name
 from .prescribed import Prescribed
 from .reader import parse_scene, read_scene
 from .schema import SceneData, Solver
-from .water import Hydrostatics, Sea
+from .sea import Hydrodynamics, Member, Sea
+from .water import Hydrostatics
+from .wind import Wind, WindRotor
 from .writer import write_scene
 
 __all__ = [
     "Angle",
     "Body",
     "Bushing",
+    "Catenary",
     "ConstantVelocity",
     "Coupling",
     "CurveOnCurve",
@@ -64,6 +68,7 @@ __all__ = [
     "Gear",
     "Ground",
     "GroundMarker",
+    "Hydrodynamics",
     "Hydrostatics",
     "Joint",
     "KnifeEdge",
@@ -72,6 +77,7 @@ __all__ = [
     "Load",
     "Marker",
     "Measure",
+    "Member",
     "Planar",
     "PointOnCurve",
     "PointOnLine",
@@ -96,6 +102,8 @@ __all__ = [
     "SurfaceOnSurface",
     "Translation",
     "Universal",
+    "Wind",
+    "WindRotor",
     "fmi_name",
     "parse_scene",
     "read_scene",

@@ -105,12 +105,26 @@ def unfit_water(scene):
         return []
 
     found = "central_gravity" if scene.central_gravity else f"gravity {show(scene.gravity)}"
-    text = f"water lies in the plane z = 0, so gravity must point along -z; found {found}"
+    text = f"water lies in the plane z = 0, and gravity must point along -z; found {found}"
     return [
         Problem(("force", name, force.kind), text)
         for name, force in scene.force.items()
-        if force.kind == "hydrostatics"
+        if force.kind in ("hydrostatics", "hydrodynamics", "catenary")
     ]
+
+
+def rotors_without_wind(scene):
+    """The problems of rotors in a valid scene without wind, and of wind that nothing is in."""
+    rotors = [name for name, force in scene.force.items() if force.kind == "rotor"]
+
+    if rotors and not scene.wind:
+        text = "a rotor needs a wind, as in [wind] steady = { velocity = [12, 0, 0] }"
+        return [Problem(("force", name, "rotor"), text) for name in rotors]
+    if scene.wind and not rotors:
+        return [
+            Problem(("wind",), "nothing is in the wind; a rotor is, as a force: rotor = { radius, table }")
+        ]
+    return []
 
 
 def clashes(scene):
@@ -129,6 +143,10 @@ def clashes(scene):
 
 def _variables(scene):
     """(path, FMU name without indices) of all inputs and outputs."""
+    for key in ("sea", "wind"):
+        if part := getattr(scene, key):
+            yield from _variables_of((key,), key, part)
+
     for table in NAMED_TABLES:
         for name, entry in getattr(scene, table).items():
             yield from _variables_of((table, name), fmi_name(name), entry)
@@ -252,7 +270,7 @@ def _misplaced(data, markers, joints):
         for table in ("joint", "force", "measure")
         for name, entry in _entries(data, table).items()
         for ends in [_ends(entry)]
-        for text in _wrong_ends(table, ends, markers, joints)
+        for text in _wrong_ends(table, ends, markers, joints, _get(entry, "member") is not None)
     ]
 
 
@@ -261,8 +279,8 @@ def _key_of(ends):
     return "between" if len(ends) == 2 else "on"
 
 
-def _wrong_ends(table, ends, markers, joints):
-    """Texts about the ends of an entry of the table; markers is {body: its markers}."""
+def _wrong_ends(table, ends, markers, joints, within=False):
+    """Texts about the ends of an entry of the table; markers is {body: its markers}. within : both are to be on one body."""
     wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
     if not ends or wrong:
         return wrong
@@ -272,6 +290,12 @@ def _wrong_ends(table, ends, markers, joints):
         return [f"{quoted(frame)} does not move by a load; name a body"] if frame in FRAMES else []
 
     first, second = (end[0] for end in ends)
+    if within:
+        return (
+            []
+            if first == second
+            else [f"a member is of one body, found {quoted(first)} and {quoted(second)}"]
+        )
     if first == second:
         return [f"both ends are on {quoted(first)}; a {table} acts between two bodies"]
     if first in FRAMES and second in FRAMES and table != "measure":

@@ -21,8 +21,11 @@ from .fields import (
     by_key,
     number_or,
 )
+from .lines import Catenary
+from .sea import Hydrodynamics, Member
 from .tables import Ascending, EffortDamper, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
 from .water import Hydrostatics
+from .wind import WindRotor
 
 
 class SpringDamperOptions(Part):
@@ -320,4 +323,16 @@ class Linear(Part):
         return self
 
 
-Force = by_key("a force", SpringDamper, Torsion, Linear, Bushing, Load, Hydrostatics)
+Force = by_key(
+    "a force",
+    SpringDamper,
+    Torsion,
+    Linear,
+    Bushing,
+    Load,
+    Hydrostatics,
+    Hydrodynamics,
+    Catenary,
+    Member,
+    WindRotor,
+)

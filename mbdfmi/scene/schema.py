@@ -6,7 +6,7 @@ from pydantic import Field, ValidationError, model_validator
 from ..steppers import STEPPERS
 from ..vocabulary import SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
-from .checks import clashes, cross_references, unfit_shapes, unfit_water
+from .checks import clashes, cross_references, rotors_without_wind, unfit_shapes, unfit_water
 from .couplings import Coupling
 from .errors import SceneError
 from .experiment import Experiment
@@ -18,7 +18,8 @@ from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
 from .notices import notices
-from .water import Sea
+from .sea import Sea
+from .wind import Wind
 from .writer import toml_text
 
 
@@ -116,7 +117,7 @@ class SceneData(Part):
     name : free text.
     title, description : free text, or None.
     central_gravity : or None.
-    sea : or None.
+    sea, wind : or None.
     gravity : (3,) in m/s2 in the inertial frame; [0, 0, -9.81] when left out, 0 with central_gravity.
     output : names of SCENE_OUTPUTS: energies (J); powers (W) of inputs, loads and drivers, and what dampers, friction, stops and
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
@@ -134,6 +135,7 @@ class SceneData(Part):
     description: Text | None = None
     central_gravity: CentralGravity | None = None
     sea: Sea | None = None
+    wind: Wind | None = None
     gravity: Vector = Field(default_factory=_gravity)
     output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
@@ -168,7 +170,7 @@ class SceneData(Part):
         if not problems:
             problems += unfit_shapes(scene)
         if scene:
-            problems += clashes(scene) + unfit_water(scene)
+            problems += clashes(scene) + unfit_water(scene) + rotors_without_wind(scene)
         if problems:
             raise SceneError(sorted(problems, key=lambda problem: _order(problem.path, data)))
         return scene

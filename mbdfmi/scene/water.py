@@ -1,4 +1,4 @@
-"""The sea, and what water does to bodies."""
+"""Hulls that water carries."""
 
 from typing import Annotated, ClassVar
 
@@ -7,19 +7,10 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..vocabulary import HYDROSTATICS_OUTPUTS
 from .ends import End
 from .errors import show
-from .fields import Part, Positive, SomeOf, number
+from .fields import Part, SomeOf, number
 from .geometry import BoxGeometry, CylinderGeometry, MeshGeometry
 from .meshes import closed_mesh
 from .orientation import Placed
-
-
-class Sea(Part):
-    """Water that fills z < 0 of the inertial frame, z up. Without this table what floats does so in sea water at rest.
-
-    density : kg/m3.
-    """
-
-    density: Positive = 1025.0
 
 
 def _sides(value):

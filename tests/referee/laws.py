@@ -35,6 +35,9 @@ SPEEDS = {
 }
 COURSE = 1e-7
 
+# what acts on bodies from outside, and not by the ground
+EXTERNAL = {"load", "hydrostatics", "catenary", "member", "hydrodynamics", "rotor"}
+
 
 def always(run, data):
     """Findings in a run by itself."""
@@ -294,8 +297,7 @@ def bears_all(data):
 
     forces = data.get("force", {}).values()
     return not any(
-        "load" in force or "hydrostatics" in force or "added_mass" in force.get("linear", {})
-        for force in forces
+        EXTERNAL.intersection(force) or "added_mass" in force.get("linear", {}) for force in forces
     )
 
 

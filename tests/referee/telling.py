@@ -42,6 +42,12 @@ def all_told(data):
         if "hydrostatics" in force:
             force["output"] = list(telling.HULL)
 
+        if "catenary" in force:
+            force["output"] = ["tension", "anchor_tension", "grounded_length", "force", "power"]
+
+        if "member" in force:
+            force["output"] = ["force", "power"]
+
         if "torsion" in force:
             force["output"] = ["angle", *telling.TORSION]
 

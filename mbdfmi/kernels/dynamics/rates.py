@@ -34,6 +34,7 @@ def evaluate_now(m, d):
 
     touching.parameter_rates(m, d)
     coordinates.turn_rates(m, d)
+    forces.radiation.state_rates(m, d)
     d.evaluations[0] += 1.0
     return forward.accelerate(m, d)
 

@@ -16,6 +16,7 @@ from ..language import apart, kernel
 from ..motion import coordinates
 from ..signatures import DATA, MODEL, void
 from . import (
+    catenaries,
     central_gravity,
     effort_inputs,
     friction,
@@ -23,9 +24,13 @@ from . import (
     hydrostatics,
     joint_springs,
     loads,
+    members,
+    radiation,
     six_by_six,
     stops,
     struts,
+    waves,
+    wind_rotors,
     wrench_inputs,
 )
 
@@ -50,13 +55,18 @@ def apply(m, d):
     central_gravity.add(m, d)
     gravity_gradient.add(m, d)
     hydrostatics.add(m, d)
+    catenaries.add(m, d)
+    radiation.add(m, d)
+    waves.add(m, d)
+    wind_rotors.add(m, d)
+    members.add(m, d)
 
 
 @kernel
 def stored_energy(m, d):
-    """Energy (J) stored in springs, stops, 6x6 forces and water; that of central gravity is told apart, with the weight's."""
+    """Energy (J) stored in springs, stops, 6x6 forces, lines and water; that of central gravity is told apart, with the weight's."""
     elastic = joint_springs.energy(m, d) + stops.energy(m, d) + struts.energy(m, d) + six_by_six.energy(m, d)
-    return elastic + hydrostatics.energy(m, d)
+    return elastic + hydrostatics.energy(m, d) + catenaries.energy(m, d)
 
 
 @kernel
@@ -67,9 +77,15 @@ def supplied_by_inputs(m, d):
 
 @kernel
 def dissipated(m, d):
-    """Power (W) that is lost in dampers, friction, stops and damping."""
+    """Power (W) that is lost in dampers, friction, stops, damping, and waves made."""
     power = joint_springs.dissipated(m, d) + friction.dissipated(m, d) + stops.dissipated(m, d)
-    return power + struts.dissipated(m, d) + six_by_six.dissipated(m, d)
+    return (
+        power
+        + struts.dissipated(m, d)
+        + six_by_six.dissipated(m, d)
+        + radiation.dissipated(m, d)
+        + members.dissipated(m, d)
+    )
 
 
 @kernel

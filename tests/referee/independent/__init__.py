@@ -21,6 +21,7 @@ It does not know surfaces that touch or roll: `unknown` names these.
     motion         what drivers and the ground's motion ask for
     efforts        springs, dampers, friction and stops
     elements       forces between two frames, loads, inputs, added mass
+    lines          lines by bisection, drag on members
     hulls          what water carries, by convex bodies
     system         System: all of it together
     instant        its solution at one instant

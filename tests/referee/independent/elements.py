@@ -5,6 +5,7 @@ import numpy as np
 from .efforts import Elastic
 from .hulls import Hull
 from .interpolation import Table
+from .lines import Line, Member
 from .reading import cross, dotted, listed, si
 
 
@@ -169,8 +170,9 @@ def element(given, name, force, sea):
     """The element of a force's table. sea : the scene's table of that, maybe empty."""
     if "load" in force:
         return Load(given, name, force)
-    if "hydrostatics" in force:
-        return Hull(given, name, force, sea)
+    for key, cls in (("hydrostatics", Hull), ("catenary", Line), ("member", Member)):
+        if key in force:
+            return cls(given, name, force, sea)
 
     kinds = {"spring_damper": Strut, "torsion": Torsion}
     return next((kinds[kind] for kind in kinds if kind in force), Six)(given, name, force)

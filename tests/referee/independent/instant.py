@@ -222,7 +222,7 @@ class Instant:
 
         for e in system.elements.values():
             adders = {"spring_damper": self._add_strut, "load": self._add_load, "torsion": self._add_torsion}
-            adders["hydrostatics"] = self._add_hull
+            adders |= {"hydrostatics": self._add_hull, "catenary": self._add_line, "member": self._add_member}
             adders.get(e.kind, self._add_six)(e)
 
         for name, body in system.data.get("body", {}).items():
@@ -384,6 +384,26 @@ class Instant:
         force, moment = e.now["force"], e.now["moment"]
         self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
         e.now["power"] = force @ v + moment @ w
+
+    def _add_line(self, e):
+        frames = [self.frame(end) for end in e.ends]
+        on, on_bed, energy = e.forces(frames[0][0], frames[1][0], -self.system.gravity[2])
+        power = 0.0
+
+        for end, force, (_, _, v, _) in zip(e.ends, on, frames):
+            self.pull += self._padded(self.system.wrench_on(self.motions, end, force, np.zeros(3)))
+            power += force @ v
+
+        first, second = (np.linalg.norm(force) for force in on)
+        e.now = {"tension": second, "anchor_tension": first, "grounded_length": on_bed, "force": on[1]}
+        e.now |= {"power": power, "energy": energy}
+
+    def _add_member(self, e):
+        (r, _, v, w), (other, _, _, _) = (self.frame(end) for end in e.ends)
+        force, moment, power = e.drag(r, other, r, v, w)
+        self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
+        self.dissipated -= power
+        e.now = {"force": force, "power": power}
 
     def _add_inputs(self, path, table):
         """Forces and moments that are inputs, at a body's frame or a marker."""

@@ -256,7 +256,7 @@ def _coupled(system, now, joint, multipliers):
 def _tell_element(told, e, table):
     if e.kind == "load":
         values = {"power": e.now}
-    elif e.kind == "hydrostatics":
+    elif e.kind in ("hydrostatics", "catenary", "member"):
         values = {name: value for name, value in e.now.items() if name != "energy"}
     elif e.kind == "torsion":
         angle, rate, (spring, damper) = e.now
@@ -307,8 +307,8 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     for e in system.elements.values():
         if e.kind in ("spring_damper", "torsion"):
             spring += e.spring.energy(e.now[0])
-        elif e.kind == "hydrostatics":
-            spring += e.now["energy"]
+        elif e.kind in ("hydrostatics", "catenary", "member"):
+            spring += e.now.get("energy", 0.0)
         elif e.kind != "load":
             spring += e.energy(e.now[2])
 

@@ -60,6 +60,49 @@ def _float(dice, mechanism, forces, water):
             hull = {shape: options} | (frames.place(dice, 0.5)[0] if dice.chance(0.6) else {})
             forces[f"hull {k}"] = {"hydrostatics": hull, "on": dice.pick(mechanism.body)}
 
+    if dice.chance(0.4):
+        _hang(dice, mechanism, forces)
+
+    if dice.chance(0.4):
+        _drag(dice, mechanism, forces, water)
+
+
+def _hang(dice, mechanism, forces):
+    """A line from the ground or a body to another."""
+    first, second = dice.some(["ground", *mechanism.body], 2)[:2]
+    pair = (second, first) if second == "ground" else (first, second)
+    spans = [np.zeros(3) if owner == "ground" else mechanism.poses[owner][0] for owner in pair]
+    distance = max(0.3, float(np.linalg.norm(spans[1] - spans[0])))
+    line = {"length": round(distance * dice.number(0.8, 1.8), 3), "mass": dice.number(0.2, 2.0)}
+    line["stiffness"] = dice.number(50.0, 500.0)
+
+    if dice.chance(0.5):
+        line["diameter"] = 0.01
+    if pair[0] == "ground" and dice.chance(0.5):
+        line["bed"] = dice.chance(0.5)
+
+    forces["the line"] = {"catenary": line, "between": list(pair)}
+
+
+def _drag(dice, mechanism, forces, water):
+    """Members on a body, maybe a current."""
+    owner = dice.pick(mechanism.body)
+    pile = {"diameter": dice.number(0.02, 0.2)}
+    pile |= {key: dice.number(0.2, 1.5) for key in ("drag", "axial_drag") if dice.chance(0.7)}
+    pile |= {"sections": float(dice.whole(1, 6))} if dice.chance(0.6) else {}
+    ends = [
+        mechanism.end(owner, {"position": dice.vector(0.5)}),
+        mechanism.end(owner, {"position": dice.vector(0.5)}),
+    ]
+
+    if ends[0] != ends[1]:
+        forces["the pile"] = {"member": pile, "between": ends}
+        sea = water.setdefault("sea", {"density": dice.number(1.0, 20.0)})
+
+        if dice.chance(0.6):
+            sea["depth"] = 20.0
+            sea["current"] = {"velocity": dice.vector(0.5)} | ({"exponent": 0.5} if dice.chance(0.5) else {})
+
 
 def lead(seed, mechanism, least):
     """Maybe a body that moves as prescribed, where there is room for others."""

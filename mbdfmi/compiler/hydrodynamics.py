@@ -1,0 +1,261 @@
+"""Bodies that linear potential theory knows, and the waves of the sea."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..hydro.memory import fit
+from ..hydro.reading import read_coefficients, read_states
+from ..hydro.spectra import Components, drawn, of_series, regular, wave_number
+from ..kernels import outputs
+from ..kernels.forces.six_by_six import FIRST
+from ..scene import Problem, SceneError
+from ..scene.sea import Sea, csv_columns
+from ..vocabulary import HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
+from .builder import Source
+from .start import start_pose
+from .variables import dotted
+
+# words of the scene -> kinds of kernels/outputs.py, of radiation and of excitation
+HYDRODYNAMICS_KINDS = {
+    "radiation_force": (outputs.RADIATION_FORCE, 0),
+    "radiation_moment": (outputs.RADIATION_MOMENT, 0),
+    "radiation_power": (outputs.RADIATION_POWER, 0),
+    "excitation_force": (outputs.EXCITATION_FORCE, 1),
+    "excitation_moment": (outputs.EXCITATION_MOMENT, 1),
+    "excitation_power": (outputs.EXCITATION_POWER, 1),
+}
+
+# knots by the shortest period, parts of the energy outside a file's frequencies that are told
+KNOTS = 20
+OUTSIDE = 0.01
+
+# of a memory's peaks, where the scene asks for nothing else
+ERROR = 0.01
+
+
+def add_hydrodynamics(builder, name, force, ends):
+    """Added mass, memory, excitation of a body. Raises SceneError for files that cannot be read."""
+    spec, sea = force.hydrodynamics, builder.scene.sea or Sea()
+    path = ("force", name, "hydrodynamics", "file")
+    told = _memory_told(spec)
+
+    try:
+        stamp = spec.file.path.stat().st_mtime_ns
+        coefficients, notes, memory = _read(
+            str(spec.file.path), stamp, sea.density, -builder.scene.gravity[2], spec.scale, told
+        )
+    except (ValueError, OSError) as error:
+        raise SceneError([Problem(path, str(error))]) from None
+
+    for note in notes:
+        builder.notice(path, note)
+
+    infinite = memory.infinite if memory else coefficients.infinite
+
+    if infinite is None:
+        text = "has no added mass at infinite frequency; leave out radiation = false, for the memory finds it"
+        raise SceneError([Problem(path, text)])
+
+    builder.tables["n_six_by_six"].add(
+        six_by_six_from=builder.marker("inertial"),
+        six_by_six_to=ends[0],
+        six_by_six_adds=builder.marker_node(ends[0]) > 0,
+        six_by_six_axes=FIRST,
+        six_by_six_stiffness=np.zeros((6, 6)),
+        six_by_six_damping=np.zeros((6, 6)),
+        six_by_six_added=infinite,
+        six_by_six_preload=np.zeros(6),
+    )
+    rows = [_add_memory(builder, name, ends[0], memory, infinite), -1]
+
+    if spec.excitation and sea.waves:
+        rows[1] = _add_excitation(builder, name, force, ends[0], coefficients)
+
+    _add_outputs(builder, name, force, rows)
+
+
+def _memory_told(spec):
+    """(error, states, file) of the memory, None: none."""
+    if spec.radiation is False:
+        return None
+    if spec.radiation is True:
+        return ERROR, None, None
+
+    file = spec.radiation.file
+    return spec.radiation.error or ERROR, spec.radiation.states, str(file.path) if file else None
+
+
+@lru_cache(maxsize=8)
+def _read(path, stamp, density, gravity, scale, told):
+    """(coefficients, notes, memory or None) of a file; stamp : a changed file is read anew."""
+    coefficients, notes = read_coefficients(path, density, gravity, scale).checked()
+
+    if told is None:
+        return coefficients, notes, None
+
+    error, states, file = told
+
+    if file is None:
+        return coefficients, notes, fit(coefficients, error, states)
+    if coefficients.infinite is None:
+        raise ValueError(
+            f"{path}: has no added mass at infinite frequency, which a ready model of radiation needs"
+        )
+    return coefficients, notes, read_states(file, coefficients.infinite)
+
+
+def _add_memory(builder, name, marker, memory, infinite):
+    """Row of the memory of a marker's body, -1 without."""
+    if memory is None or not len(memory.pole):
+        return -1
+
+    tables = builder.tables
+    first = tables["n_memory"].length
+
+    # states in units in which each makes an acceleration of the body's own added mass: errors are weighed by that
+    inertia = np.where(np.diag(infinite) > 0, np.diag(infinite), np.diag(infinite).max())
+    pull = np.abs(memory.sink / inertia).max(axis=1)
+    pull = np.maximum(pull, pull[memory.mate])
+    pull = np.where(pull > 0.0, pull, 1.0)
+
+    for k in range(len(memory.pole)):
+        tables["n_memory"].add(
+            memory_mate=first + memory.mate[k],
+            memory_pole=memory.pole[k],
+            memory_from=memory.source[k] * pull[k],
+            memory_to=memory.sink[k] / pull[k],
+        )
+
+    builder.radiations.append(name)
+    return tables["n_radiation"].add(
+        radiation_marker=marker, radiation_memory=first, radiation_memories=len(memory.pole)
+    )
+
+
+def _add_excitation(builder, name, force, marker, coefficients):
+    """Row of what the sea's waves do to a marker's body, about where it starts."""
+    waves, tables = sea_components(builder), builder.tables
+    path = ("force", name, "hydrodynamics", "file")
+    number = wave_number(waves.omega, builder.scene.sea.depth, -builder.scene.gravity[2])
+    place = start_pose(builder, force.on)[0]
+    way = number * (np.cos(waves.heading) * place[0] + np.sin(waves.heading) * place[1])
+
+    try:
+        unit = coefficients.exciting(waves.omega, waves.heading)
+    except ValueError as error:
+        raise SceneError([Problem(path, str(error))]) from None
+
+    _tell_outside(builder, path, waves, coefficients.wave_omega)
+    parts = unit * (waves.amplitude * np.exp(1j * (waves.phase - way)))[:, None]
+    first = tables["n_part"].length
+
+    for omega, part in zip(waves.omega, parts):
+        tables["n_part"].add(part_omega=omega, part_force=[*part.real, *part.imag])
+
+    return tables["n_excitation"].add(
+        excitation_marker=marker,
+        excitation_part=first,
+        excitation_parts=len(parts),
+        excitation_step=2 * np.pi / waves.omega.max() / KNOTS,
+    )
+
+
+def _tell_outside(builder, path, waves, known):
+    """A notice of a sea that goes beyond a file's frequencies."""
+    energy = waves.amplitude**2
+    outside = energy[(waves.omega < known[0]) | (waves.omega > known[-1])].sum() / energy.sum()
+
+    if outside > OUTSIDE:
+        text = (
+            f"reaches from {known[0]:.4g} to {known[-1]:.4g} rad/s; {100 * outside:.2g} % of the sea's energy is outside, where the "
+            "nearest of its frequencies is taken"
+        )
+        builder.notice(path, text)
+
+
+def _add_outputs(builder, name, force, rows):
+    nodes = [builder.node_of(force.on)]
+
+    for output in force.output:
+        quantity = HYDRODYNAMICS_OUTPUTS[output]
+        kind, which = HYDRODYNAMICS_KINDS[output]
+
+        if rows[which] < 0:
+            what = ("radiation = false", "no waves that act")[which]
+            raise SceneError([Problem(("force", name, "output"), f'no "{output}": there is {what}')])
+
+        builder.add_outputs(
+            dotted(name, output), Source(kind, rows[which]), quantity.unit, f"{name}: {quantity.text}", nodes
+        )
+
+
+# the sea
+
+
+def sea_components(builder) -> Components:
+    """The components of the sea's waves, read or drawn. Raises SceneError for files that cannot be read."""
+    waves = builder.scene.sea.waves
+    heading = np.radians(waves.direction_deg)
+
+    if waves.regular:
+        spec = waves.regular
+        return regular(spec.height, spec.period, np.radians(spec.phase_deg), heading)
+
+    spec = waves.jonswap or waves.pierson_moskowitz
+
+    if spec:
+        gamma = getattr(spec, "gamma", 1.0)
+        return drawn(
+            spec.hs,
+            spec.tp,
+            gamma,
+            spec.components,
+            spec.spacing,
+            spec.seed,
+            heading,
+            spec.spread,
+            spec.directions,
+        )
+
+    kind = "components" if waves.components else "series"
+    path = ("sea", "waves", kind, "file")
+
+    try:
+        columns = csv_columns(getattr(waves, kind).file, 4 if kind == "components" else 2).T
+        return _as_components(kind, columns, heading)
+    except ValueError as error:
+        raise SceneError([Problem(path, str(error))]) from None
+
+
+def _as_components(kind, columns, heading):
+    """Components of a file's columns. Raises ValueError."""
+    if kind == "components":
+        if not columns[0].min() > 0.0:
+            raise ValueError(f"needs frequencies above 0, found {columns[0].min():g}")
+        return Components(*columns)
+
+    steps = np.diff(columns[0])
+    if not (steps.min() > 0.0 and np.ptp(steps) < 1e-6 * steps.mean()):
+        raise ValueError("needs times that are evenly spaced, ascending")
+    return of_series(*columns, heading)
+
+
+def add_sea(builder):
+    """Waves for the outputs of the sea."""
+    sea = builder.scene.sea
+
+    if not (sea and sea.output):
+        return
+
+    waves = sea_components(builder)
+    number = wave_number(waves.omega, sea.depth, -builder.scene.gravity[2])
+
+    for omega, a, phase, heading, k in zip(*waves, number):
+        wave = [a, omega, phase, k * np.cos(heading), k * np.sin(heading)]
+        builder.tables["n_sea_wave"].add(sea_wave=wave)
+
+    for output in sea.output:
+        quantity = SEA_OUTPUTS[output]
+        source = Source(outputs.ELEVATION, builder.marker("inertial"))
+        builder.add_outputs(f"sea.{output}", source, quantity.unit, quantity.text, [])

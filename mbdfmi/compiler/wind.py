@@ -1,0 +1,120 @@
+"""Wind, and rotors in it."""
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from ..kernels import outputs
+from ..scene import Problem, SceneError
+from ..vocabulary import ROTOR_OUTPUTS, ROTOR_PITCH, WIND_VELOCITY
+from .builder import Place, Source
+from .variables import dotted
+
+# words of the scene -> kinds of kernels/outputs.py
+ROTOR_KINDS = {
+    "thrust": outputs.ROTOR_THRUST,
+    "torque": outputs.ROTOR_TORQUE,
+    "wind": outputs.ROTOR_WIND,
+    "power": outputs.ROTOR_POWER,
+}
+
+# of the table: cells for each step between its points, at most
+FINER = 2
+MOST_CELLS = 60
+
+# values and slopes at the ends of a unit interval to the coefficients of the cubic between
+HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]])
+
+
+def add_rotor(builder, name, force, ends):
+    """A rotor in the wind. Raises SceneError for a table that cannot be read."""
+    spec, tables = force.rotor, builder.tables
+    path = ("force", name, "rotor", "table")
+    wind, nodes = builder.scene.wind, [builder.node_of(force.on)]
+    first_wind = _wind_input(builder)
+    u = -1
+
+    if force.input:
+        about = f"pitch of the blades of {name}"
+        u = builder.add_inputs(dotted(name, "pitch"), ROTOR_PITCH, about, nodes, start=spec.pitch)
+
+    if first_wind >= 0:
+        for given in builder.inputs[first_wind : first_wind + 3]:
+            given.nodes.update(set(nodes) - {0})
+
+    try:
+        grid, cells = _cells(*spec.grid())
+    except ValueError as error:
+        raise SceneError([Problem(path, str(error))]) from None
+
+    first = tables["n_cell"].length
+
+    for c in cells.reshape(-1, 32):
+        tables["n_cell"].add(cell_c=c)
+
+    row = tables["n_wind_rotor"].add(
+        wind_rotor_marker=ends[0],
+        wind_rotor_u=u,
+        rotor_cell=first,
+        rotor_cells=cells.shape[:2],
+        wind_rotor_value=[spec.radius, wind.density, spec.pitch],
+        rotor_grid=grid,
+    )
+
+    if not force.input:
+        place = Place("wind_rotor_value", row, 2)
+        builder.add_parameters(
+            dotted(name, "pitch"), place, spec.pitch, "rad", f"pitch of the blades of {name}"
+        )
+
+    fed_by = [] if u < 0 else [u]
+    fed_by += [first_wind + k for k in range(3)] if first_wind >= 0 else []
+
+    for output in force.output:
+        quantity = ROTOR_OUTPUTS[output]
+        source = Source(ROTOR_KINDS[output], row)
+        builder.add_outputs(
+            dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes, fed_by
+        )
+
+
+def _wind_input(builder):
+    """The first input that tells the wind's velocity, -1: none; the wind is added by its first rotor."""
+    wind, table = builder.scene.wind, builder.tables["n_wind"]
+
+    if not table.length:
+        steady, u = wind.steady, -1
+
+        if wind.input:
+            about = "velocity of the wind at the reference height"
+            u = builder.add_inputs("wind.velocity", WIND_VELOCITY, about, (), start=steady.velocity)
+
+        table.add(
+            wind_u=u, wind_velocity=steady.velocity, wind_profile=[steady.exponent, steady.reference_height]
+        )
+
+        if u < 0:
+            about = "velocity of the wind at the reference height"
+            builder.add_parameters("wind.velocity", Place("wind_velocity"), steady.velocity, "m/s", about)
+
+    return int(table.columns["wind_u"][0][0])
+
+
+def _cells(ratio, pitch, thrust, torque):
+    """([first ratio, step, first pitch, step], (n, k, 2, 16)) of tables as bicubic cells of equal size."""
+    axes = [np.linspace(x[0], x[-1], 1 + min(MOST_CELLS, FINER * (len(x) - 1))) for x in (ratio, pitch)]
+    steps = [axis[1] - axis[0] for axis in axes]
+    found = []
+
+    for table in (thrust, torque):
+        spline = RectBivariateSpline(ratio, pitch, table, kx=3, ky=3, s=0)
+        f = np.array(
+            [[spline(*axes, dx=i, dy=j) * steps[0] ** i * steps[1] ** j for j in (0, 1)] for i in (0, 1)]
+        )
+
+        # corners of each cell: values along (s = 0, 1; slopes at 0, 1) by (t likewise)
+        rows = [f[0, :, :-1], f[0, :, 1:], f[1, :, :-1], f[1, :, 1:]]
+        corner = np.array([[r[0, :, :-1], r[0, :, 1:], r[1, :, :-1], r[1, :, 1:]] for r in rows])
+        found.append(np.einsum("ia,abnk,jb->nkij", HERMITE, corner, HERMITE))
+
+    cells = np.stack(found, axis=2)
+    return [axes[0][0], steps[0], axes[1][0], steps[1]], cells.reshape(*cells.shape[:3], 16)

@@ -1,0 +1,120 @@
+"""What potential theory says of a floating body: coefficients over frequency, checked."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+
+# of A: parts by which it may be unsymmetric; of its peak: how far below 0 an eigenvalue of B may be
+UNSYMMETRIC = 0.02
+NEGATIVE = 0.01
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Of one body, in ground axes, about its reference point; time as exp(+i omega t), z up.
+
+    omega : (n,) rad/s, ascending, above 0. added : (n, 6, 6) in kg, kg m, kg m2.
+    damping : (n, 6, 6) in N s/m, N s, N m s.
+    infinite : (6, 6) added mass at infinite frequency, or None.
+    wave_omega : (k,). headings : (h,) rad, the way that waves travel, ascending.
+    excitation : (k, h, 6) complex, N/m and N, for an elevation Re(exp(i omega t)) at the reference point.
+        These three may be None.
+    """
+
+    omega: np.ndarray
+    added: np.ndarray
+    damping: np.ndarray
+    infinite: np.ndarray | None = None
+    wave_omega: np.ndarray | None = None
+    headings: np.ndarray | None = None
+    excitation: np.ndarray | None = None
+
+    def checked(self) -> tuple["Coefficients", list[str]]:
+        """The same, symmetric, and what a user should be told. Raises ValueError for what no body has."""
+        notes = []
+
+        for name, matrices in (("added mass", self.added), ("damping", self.damping)):
+            off = np.abs(matrices - matrices.transpose(0, 2, 1))
+            size = _size(matrices)
+            worst = (off / size).max()
+
+            if worst > 10 * UNSYMMETRIC:
+                raise ValueError(f"the {name} is not symmetric: up to {100 * worst:.2g} % of its peak")
+            if worst > UNSYMMETRIC:
+                notes.append(
+                    f"the {name} is unsymmetric by {100 * worst:.2g} % of its peak: its symmetric part counts"
+                )
+
+        damping = (self.damping + self.damping.transpose(0, 2, 1)) / 2
+        scale = np.sqrt(np.maximum(damping.diagonal(axis1=1, axis2=2).max(axis=0), 1e-30))
+        least = np.linalg.eigvalsh(damping / np.outer(scale, scale)).min(axis=1)
+
+        if least.min() < -NEGATIVE:
+            k = int(least.argmin())
+            dof = DOFS[int(np.argmin(damping[k].diagonal() / scale**2))]
+            notes.append(
+                f"the damping in {dof} is {100 * least[k]:.2g} % of its peak at {self.omega[k]:.4g} rad/s"
+            )
+
+        added = (self.added + self.added.transpose(0, 2, 1)) / 2
+        infinite = None if self.infinite is None else (self.infinite + self.infinite.T) / 2
+        return replace(self, added=added, damping=damping, infinite=infinite), notes
+
+    def exciting(self, omega, heading) -> np.ndarray:
+        """(n, 6) complex at frequencies (n,) and headings (n,) in rad, splined between those of the file.
+
+        Raises ValueError without excitation and for headings that the file does not reach.
+        """
+        if self.excitation is None:
+            raise ValueError("has no excitation")
+
+        headings, values = _around(self.headings, self.excitation)
+        turn = 2 * np.pi
+        heading = headings[0] + np.mod(np.asarray(heading) - headings[0] + 1e-9, turn) - 1e-9
+
+        if heading.max() > headings[-1] + 1e-6:
+            raise ValueError(
+                f"has no waves that travel at {np.degrees(heading.max()):.4g} degrees; headings are from "
+                f"{np.degrees(headings[0]):.4g} to {np.degrees(headings[-1]):.4g}"
+            )
+
+        inside = np.clip(omega, self.wave_omega[0], self.wave_omega[-1])
+
+        if len(headings) == 1:
+            return CubicSpline(self.wave_omega, values[:, 0])(inside)
+
+        found = np.empty((len(inside), 6), complex)
+        spline = CubicSpline(self.wave_omega, values)
+
+        for h in np.unique(heading):
+            at = heading == h
+            found[at] = (
+                CubicSpline(headings, spline(inside[at]), axis=1)(h)
+                if len(headings) > 3
+                else np.stack(
+                    [[np.interp(h, headings, part) for part in row.T] for row in spline(inside[at])]
+                )
+            )
+
+        return found
+
+
+def _size(matrices):
+    """(6, 6): what elements of matrices (n, 6, 6) are small beside, by their diagonals."""
+    peak = np.sqrt(np.maximum(np.abs(matrices.diagonal(axis1=1, axis2=2)).max(axis=0), 1e-30))
+    return np.outer(peak, peak)
+
+
+def _around(headings, values):
+    """Headings and values with the first repeated at the end where they go all the way round."""
+    gaps = np.diff(headings)
+
+    left = 2 * np.pi - (headings[-1] - headings[0])
+
+    if len(headings) > 2 and 1e-6 < left <= gaps.max() + 1e-6:
+        return np.append(headings, headings[0] + 2 * np.pi), np.concatenate([values, values[:, :1]], axis=1)
+
+    return headings, values

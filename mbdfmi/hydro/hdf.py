@@ -1,0 +1,136 @@
+"""Databases in HDF5: capytaine's NetCDF, BEMIO's (WEC-Sim)."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .database import DOFS, Coefficients
+
+
+def read_hdf(path, density, gravity) -> Coefficients:
+    """Coefficients of a dataset of capytaine or a file of BEMIO. Raises ValueError that names the file."""
+    try:
+        import h5py
+    except ImportError:
+        raise ValueError(f'{path}: needs h5py to be read: pip install "mbdfmi[hydro]"') from None
+
+    try:
+        with h5py.File(path) as file:
+            if "added_mass" in file and "radiation_damping" in file:
+                return _capytaine(path, file)
+            if any(re.fullmatch(r"body\d+", name) for name in file):
+                return _bemio(path, file, density, gravity)
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror or 'is no HDF5 file'}") from None
+    except KeyError as error:
+        raise ValueError(f"{path}: {error.args[0]}") from None
+
+    raise ValueError(
+        f"{path}: is neither a dataset of capytaine nor a file of BEMIO; holds {', '.join(file)}"
+    )
+
+
+# capytaine
+
+
+def _dof(path, name):
+    """Index of a motion by its name, as "Heave" or "buoy__Heave"."""
+    text = name.decode() if isinstance(name, bytes) else str(name)
+    word = text.rpartition("__")[2].lower()
+
+    if word not in DOFS:
+        raise ValueError(f"{path}: motion {text!r} is none of {', '.join(DOFS)} of one rigid body")
+
+    return DOFS.index(word)
+
+
+def _axes(path, variable):
+    """Names of a variable's dimensions."""
+    return [Path(scale[0].name).name if len(scale) else "" for scale in variable.dims]
+
+
+def _capytaine(path, file):
+    """Time is exp(-i omega t) there: forces are the conjugate of ours. omega = 0 and inf may be there."""
+    omega = np.array(file["omega"], float)
+    radiating = [_dof(path, name) for name in np.array(file["radiating_dof"])]
+    influenced = [_dof(path, name) for name in np.array(file["influenced_dof"])]
+
+    if len(set(radiating)) != len(radiating):
+        raise ValueError(f"{path}: holds several bodies; one is read")
+
+    def matrices(name):
+        order = _axes(path, file[name])
+        wanted = [order.index(axis) for axis in ("omega", "influenced_dof", "radiating_dof")]
+        values = np.array(file[name], float)
+
+        # other axes have one value, as water depth
+        others = [k for k in range(values.ndim) if k not in wanted]
+        values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
+        full = np.zeros((len(omega), 6, 6))
+        full[np.ix_(range(len(omega)), influenced, radiating)] = values
+        return full
+
+    added, damping = matrices("added_mass"), matrices("radiation_damping")
+    known = np.isfinite(added).all(axis=(1, 2)) & np.isfinite(damping).all(axis=(1, 2))
+    good = np.flatnonzero(known & np.isfinite(omega) & (omega > 0))
+    good = good[np.argsort(omega[good])]
+
+    # never A at omega = inf, which depends on the mesh: the memory finds it
+    rest = _capytaine_forces(path, file, omega, influenced)
+    return Coefficients(omega[good], added[good], damping[good], None, *rest)
+
+
+def _capytaine_forces(path, file, omega, influenced):
+    """(omega, headings, excitation), None each without."""
+    names = (
+        ["excitation_force"] if "excitation_force" in file else ["Froude_Krylov_force", "diffraction_force"]
+    )
+
+    if not all(name in file for name in names):
+        return None, None, None
+
+    headings = np.array(file["wave_direction"], float)
+    total = np.zeros((len(omega), len(headings), 6), complex)
+
+    for name in names:
+        order = _axes(path, file[name])
+        wanted = [order.index(axis) for axis in ("complex", "omega", "wave_direction", "influenced_dof")]
+        values = np.array(file[name], float)
+        others = [k for k in range(values.ndim) if k not in wanted]
+        values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
+        total[:, :, influenced] += values[0] - 1j * values[1]
+
+    good = np.flatnonzero(np.isfinite(total).all(axis=(1, 2)) & np.isfinite(omega) & (omega > 0))
+    good, turn = good[np.argsort(omega[good])], np.argsort(headings)
+    return omega[good], headings[turn], total[good][:, turn]
+
+
+# BEMIO
+
+
+def _bemio(path, file, density, gravity):
+    """Of the one body: A by rho, B by rho omega, X by rho g."""
+    bodies = [name for name in file if re.fullmatch(r"body\d+", name)]
+
+    if len(bodies) > 1:
+        raise ValueError(f"{path}: holds {len(bodies)} bodies; one is read")
+
+    settings, found = file["simulation_parameters"], file[bodies[0]]["hydro_coeffs"]
+    omega = np.ravel(settings["w"])
+    order = np.argsort(omega)
+    added = density * np.moveaxis(np.array(found["added_mass/all"], float), -1, 0)
+    damping = density * np.moveaxis(np.array(found["radiation_damping/all"], float), -1, 0)
+    damping = damping * omega[:, None, None]
+    infinite = None
+
+    if "inf_freq" in found["added_mass"]:
+        infinite = density * np.array(found["added_mass/inf_freq"], float)
+
+    force = np.array(found["excitation/re"], float) + 1j * np.array(found["excitation/im"], float)
+    headings = np.radians(np.ravel(settings["wave_dir"]))
+    turn = np.argsort(headings)
+    force = density * gravity * np.moveaxis(force, (2, 1, 0), (0, 1, 2))[order][:, turn]
+    return Coefficients(
+        omega[order], added[order], damping[order], infinite, omega[order], headings[turn], force
+    )

@@ -1,0 +1,305 @@
+"""The memory of waves that a body makes as states, from its damping over frequency (docs/theory.md 16.16).
+
+K(t) = 2 / pi int B(omega) cos(omega t) d omega becomes x' = A x + B V, force = -C x: poles by Kung's
+realisation of K, C by least squares on H(i omega) = B + i omega (A - A_inf), without damping at frequency 0,
+passive. The order grows until both parts of H are met.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.linalg import logm, null_space
+from scipy.optimize import nnls
+
+from .database import Coefficients
+
+# of the peaks of two motions: coupling that counts
+COUPLED = 2e-3
+
+# frequencies of the integrals, up to this many times the file's highest; of its peak, K that has died out
+FINE = 4000
+BEYOND = 4.0
+DEAD = 2e-4
+
+# how far passivity is looked for, by the highest frequency, and how far below 0 it may be (of the peak)
+FAR = 60.0
+PASSIVE = 1e-6
+
+MOST_STATES = 40
+ROWS = 90
+
+
+@dataclass(frozen=True)
+class Memory:
+    """States x' = poles x + source V, force = -sink^T x.
+
+    pole : (n, 2) 1/s, real part and rate by the mate, of opposite signs in a pair.
+    mate : (n,) index of it, its own where it is single.
+    source : (n, 6); sink : (n, 6).
+    infinite : (6, 6) added mass at infinite frequency.
+    error : largest error of H by the peak of its motion; orders : [(motions, states)].
+    """
+
+    pole: np.ndarray
+    mate: np.ndarray
+    source: np.ndarray
+    sink: np.ndarray
+    infinite: np.ndarray
+    error: float
+    orders: list
+
+    def response(self, omega):
+        """(n, 6, 6) complex: H at frequencies (n,)."""
+        A = np.diag(self.pole[:, 0])
+        A[np.arange(len(A)), self.mate] += self.pole[:, 1]
+        return np.array(
+            [self.sink.T @ np.linalg.solve(1j * w * np.eye(len(A)) - A, self.source) for w in omega]
+        )
+
+
+class Kernel:
+    """K(t) of a database, and H as the transform of it.
+
+    B is splined between the file's frequencies, goes to 0 with omega^2 below them, and with omega^-3 above.
+    """
+
+    def __init__(self, coefficients: Coefficients):
+        omega, B = coefficients.omega, coefficients.damping
+        self.top = omega[-1]
+        step = self.top * BEYOND / (FINE * BEYOND)
+        self.omega = step * np.arange(int(BEYOND * FINE) + 1)
+        inside = self.omega <= self.top
+        self.B = np.zeros((len(self.omega), 6, 6))
+        known = np.concatenate([[0.0], omega])
+        self.B[inside] = PchipInterpolator(known, np.concatenate([np.zeros((1, 6, 6)), B]))(
+            self.omega[inside]
+        )
+        self.B[~inside] = B[-1] * (self.top / self.omega[~inside, None, None]) ** 3
+        self.step = step
+        self.infinite = (
+            coefficients.infinite if coefficients.infinite is not None else self._ogilvie(coefficients)
+        )
+
+    def at(self, time):
+        """(n, 6, 6) K at times (n,)."""
+        weights = np.full(len(self.omega), self.step)
+        weights[[0, -1]] /= 2
+        waves = np.cos(np.outer(time, self.omega)) * weights
+        return 2 / np.pi * np.tensordot(waves, self.B, 1)
+
+    def added(self, omega):
+        """(n, 6, 6): A - A_inf at frequencies w: 2 / pi int (B(u) - B(w)) / (u^2 - w^2) du."""
+        found = np.empty((len(omega), 6, 6))
+        spline = CubicSpline(self.omega, self.B)
+        middles = (self.omega[1:] + self.omega[:-1]) / 2
+        B = spline(middles)
+        end = self.omega[-1]
+
+        for k, w in enumerate(omega):
+            here = spline(w)
+            body = np.tensordot(self.step / (middles**2 - w * w), B - here, 1)
+            # the principal value of 1 / (u^2 - w^2) up to the end, and the tail of B beyond it
+            body += here * np.log(abs((end - w) / (end + w))) / (2 * w)
+            found[k] = 2 / np.pi * (body + self.B[-1] / (4 * end))
+
+        return found
+
+    def _ogilvie(self, coefficients):
+        """A_inf as the median over the frequencies of A less what K makes of it."""
+        inside = slice(len(coefficients.omega) // 5, -len(coefficients.omega) // 5 or None)
+        return np.median(coefficients.added[inside] - self.added(coefficients.omega[inside]), axis=0)
+
+    def response(self, omega):
+        """(n, 6, 6) complex: H = B + i omega (A - A_inf)."""
+        w = np.asarray(omega)[:, None, None]
+        return CubicSpline(self.omega, self.B)(omega) + 1j * w * self.added(omega)
+
+
+def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
+    """The memory of a body, of an order that meets `error` of the peaks.
+
+    states : so many instead, for each group of motions that are coupled.
+    """
+    kernel = Kernel(coefficients)
+    scale = np.sqrt(np.maximum(kernel.B.diagonal(axis1=1, axis2=2).max(axis=0), 0.0))
+    parts, worst, orders = [], 0.0, []
+
+    for group in _groups(kernel.B, scale):
+        part, missed = _fit_group(kernel, group, scale[group], coefficients.omega, error, states)
+        parts.append((group, part))
+        worst = max(worst, missed)
+        orders.append((group, len(part[0])))
+
+    return _joined(parts, kernel.infinite, worst, orders)
+
+
+def _groups(B, scale):
+    """Motions that are coupled, as lists; those without damping are none's."""
+    moving = [k for k in range(6) if scale[k] > 1e-9 * scale.max()]
+    safe = np.where(scale > 0, scale, 1.0)
+    coupling = np.abs(B / np.outer(safe, safe)).max(axis=0)
+    groups = []
+
+    for k in moving:
+        near = [group for group in groups if coupling[k, group].max() > COUPLED]
+        groups = [group for group in groups if group not in near] + [sorted(sum(near, [k]))]
+
+    return groups
+
+
+def _fit_group(kernel, group, scale, band, error, states):
+    """((A, B, C) of a group in SI, largest error by its peak)."""
+    time = np.linspace(0.0, 2 * np.pi / kernel.omega[1] / 8, 1500)
+    K = kernel.at(time)[np.ix_(range(len(time)), group, group)] / np.outer(scale, scale)
+    size = np.abs(K).max(axis=(1, 2))
+    span = time[np.flatnonzero(size > DEAD * size.max())[-1]]
+    step = max(span / (2 * ROWS), 0.25 / kernel.top)
+    K = kernel.at(step * np.arange(2 * ROWS))[np.ix_(range(2 * ROWS), group, group)] / np.outer(scale, scale)
+    omega = np.unique(
+        np.concatenate([np.linspace(band[0], band[-1], 150), np.geomspace(band[0] / 4, band[-1], 30)])
+    )
+    H = kernel.response(omega)[np.ix_(range(len(omega)), group, group)] / np.outer(scale, scale)
+    realisation = _Kung(K, step)
+    best = None
+
+    for n in [states] if states else range(2 * len(group), MOST_STATES + 1, 2):
+        A, B = realisation.poles(n)
+        C, missed = _sinks(A, B, omega, H, kernel.top)
+
+        if best is None or missed < best[1]:
+            best = (A, B, C), missed
+        if missed < error and not states:
+            break
+
+    (A, B, C), missed = best
+    return (A, B * scale, C * scale[:, None]), missed
+
+
+class _Kung:
+    """Realisations of samples K (n, m, m) of different orders, from one singular value decomposition."""
+
+    def __init__(self, K, step):
+        self.step, self.m = step, K.shape[1]
+        rows = len(K) // 2
+        hankel = np.block([[K[i + j] for j in range(rows)] for i in range(rows)])
+        self.U, self.s, self.V = np.linalg.svd(hankel)
+
+    def poles(self, n):
+        """(A in real modal form, B) of order n at most: poles that grow are left out."""
+        root = np.sqrt(self.s[:n])
+        O = self.U[:, :n] * root
+        step = np.linalg.lstsq(O[: -self.m], O[self.m :], rcond=None)[0]
+        A, source = logm(step) / self.step, (root[:, None] * self.V[:n])[:, : self.m]
+        values, vectors = np.linalg.eig(A)
+        modal = np.linalg.solve(vectors, source.astype(complex))
+        blocks, rows = [], []
+
+        for k, p in enumerate(values):
+            if p.real >= 0 or abs(p.imag) > 0.9 * np.pi / self.step:
+                continue
+            if abs(p.imag) < 1e-9 * abs(p):
+                blocks.append(np.array([[p.real]]))
+                turn = np.exp(-1j * np.angle(modal[k][np.abs(modal[k]).argmax()]))
+                rows.append((modal[k] * turn).real[None])
+            elif p.imag > 0:
+                blocks.append(np.array([[p.real, -p.imag], [p.imag, p.real]]))
+                rows.append(np.array([modal[k].real, modal[k].imag]))
+
+        A = np.zeros((sum(map(len, blocks)),) * 2)
+        at = 0
+
+        for block in blocks:
+            A[at : at + len(block), at : at + len(block)] = block
+            at += len(block)
+
+        return A, np.vstack(rows)
+
+
+def _sinks(A, B, omega, H, top):
+    """(C, largest error): by least squares, without damping at 0, symmetric at once, passive."""
+    n, m = B.shape
+    phi = np.array([np.linalg.solve(1j * w * np.eye(n) - A, B) for w in omega])
+    peak = np.abs(H).max(axis=(0, 1, 2))
+
+    # rows of C in a row as unknowns; H_ij = sum_k C_ik phi_kj
+    wide = np.kron(np.eye(m), np.concatenate([phi.real, phi.imag]).transpose(0, 2, 1).reshape(-1, n))
+    target = np.concatenate([H.real, H.imag]).transpose(1, 0, 2).reshape(m, -1).ravel()
+    still = np.kron(np.eye(m), np.linalg.solve(A, B).T)
+    swaps = []
+
+    for i in range(m):
+        for j in range(i):
+            row = np.zeros((m, n))
+            row[i], row[j] = B[:, j], -B[:, i]
+            swaps.append(row.ravel())
+
+    free = null_space(np.vstack([still, *swaps]) if swaps else still)
+    reduced = wide @ free
+    solution = np.linalg.lstsq(reduced, target, rcond=None)[0]
+    solution = _made_passive(solution, reduced, free, A, B, peak, top)
+    C = (free @ solution).reshape(m, n)
+    return C, np.abs(np.einsum("ik,wkj->wij", C, phi) - H).max() / peak
+
+
+def _made_passive(solution, reduced, free, A, B, peak, top):
+    """The nearest solution (by the fit's own error) whose H + H^* is nowhere negative."""
+    n, m = B.shape
+    grid = np.unique(np.concatenate([np.linspace(0, 2 * top, 500)[1:], np.geomspace(2 * top, FAR * top, 60)]))
+    phi = np.array([np.linalg.solve(1j * w * np.eye(n) - A, B) for w in grid])
+
+    # far away H + H^* falls as 1 / omega^2
+    weight = 1.0 + (grid / top) ** 2
+    _, triangle = np.linalg.qr(reduced)
+    inverse = np.linalg.pinv(triangle)
+    rows, start = [], solution
+
+    for _ in range(30):
+        C = (free @ solution).reshape(m, n)
+        H = np.einsum("ik,wkj->wij", C, phi)
+        values, vectors = np.linalg.eigh((H + H.conj().transpose(0, 2, 1)) / 2)
+        lowest = values[:, 0] * weight
+
+        if lowest.min() >= -PASSIVE * peak:
+            break
+
+        # at each local minimum below 0: Re(v^* C phi v) >= 0, linear in C
+        low = np.r_[True, lowest[1:] < lowest[:-1]] & np.r_[lowest[:-1] <= lowest[1:], True] & (lowest < 0)
+
+        for k in np.flatnonzero(low):
+            v = vectors[k, :, 0]
+            row = np.real(np.outer(v.conj(), phi[k] @ v)).ravel() @ free
+            rows.append(weight[k] * row / peak)
+
+        # least |triangle (x - start)| under rows x >= 0, Lawson and Hanson's LDP
+        G = np.array(rows) @ inverse
+        h = PASSIVE / 2 - np.array(rows) @ start
+        u, _ = nnls(np.vstack([G.T, h]), np.r_[np.zeros(G.shape[1]), 1.0], maxiter=50 * len(h) + 500)
+        r = np.vstack([G.T, h]) @ u - np.r_[np.zeros(G.shape[1]), 1.0]
+
+        if abs(r[-1]) < 1e-14:
+            break
+
+        solution = start + inverse @ (-r[:-1] / r[-1])
+
+    return solution
+
+
+def _joined(parts, infinite, error, orders):
+    """The memory of all groups."""
+    pole, mate, source, sink = [], [], [], []
+
+    for group, (A, B, C) in parts:
+        first = len(pole)
+
+        for k in range(len(A)):
+            other = next((j for j in range(len(A)) if j != k and A[k, j] != 0.0), k)
+            pole.append((A[k, k], A[k, other] if other != k else 0.0))
+            mate.append(first + other)
+            source.append(np.zeros(6))
+            sink.append(np.zeros(6))
+            source[-1][group], sink[-1][group] = B[k], C[:, k]
+
+    arrays = (np.array(x, float).reshape(-1, width) for x, width in ((pole, 2), (source, 6), (sink, 6)))
+    pole, source, sink = arrays
+    return Memory(pole, np.array(mate, int), source, sink, infinite, error, orders)

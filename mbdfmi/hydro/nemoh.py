@@ -1,0 +1,72 @@
+"""NEMOH's results: RadiationCoefficients.tec, and ExcitationForce.tec beside it."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .database import Coefficients
+
+
+def read_nemoh(path) -> Coefficients:
+    """Coefficients of one body, in SI as they are written. Raises ValueError that names the file."""
+    path = Path(path)
+    zones = list(_zones(path, 13))
+
+    if len(zones) != 6:
+        raise ValueError(f"{path}: has {len(zones)} zones, one for each motion of one body are 6")
+
+    omega = zones[0][1][:, 0]
+    values = np.array([rows[:, 1:] for _, rows in zones])
+    added, damping = values[:, :, ::2].transpose(1, 0, 2), values[:, :, 1::2].transpose(1, 0, 2)
+    beside = path.with_name("ExcitationForce.tec")
+    rest = _excitation(beside) if beside.is_file() else (None, None, None)
+    return Coefficients(omega, added, damping, None, *rest)
+
+
+def _zones(path, width):
+    """(title, rows (n, width)) of each zone."""
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror}") from None
+
+    title, rows = None, []
+
+    for number, line in enumerate(lines, 1):
+        if line.strip().lower().startswith("zone"):
+            if rows:
+                yield title, np.array(rows)
+            title, rows = line, []
+        elif title is not None and line.strip():
+            try:
+                row = [float(word) for word in line.split()]
+            except ValueError:
+                raise ValueError(
+                    f"{path}: line {number} is no row of numbers: {line.strip()[:60]!r}"
+                ) from None
+            if len(row) != width:
+                raise ValueError(f"{path}: line {number} has {len(row)} numbers, not {width} as of one body")
+            rows.append(row)
+
+    if rows:
+        yield title, np.array(rows)
+
+
+def _excitation(path):
+    """(omega, headings, excitation): amplitudes and phases of exp(-i omega t), in rad or in degrees."""
+    headings, forces = [], []
+
+    for title, rows in _zones(path, 13):
+        found = re.search(r"beta\s*=\s*([-+.\deE]+)", title)
+        if not found:
+            raise ValueError(f"{path}: a zone names no heading beta: {title[:60]!r}")
+        headings.append(np.radians(float(found[1])))
+        forces.append((rows[:, 1::2], rows[:, 2::2]))
+        omega = rows[:, 0]
+
+    phases = np.array([phase for _, phase in forces])
+    phases = np.radians(phases) if np.abs(phases).max() > 2 * np.pi + 0.1 else phases
+    values = np.array([size for size, _ in forces]) * np.exp(-1j * phases)
+    order = np.argsort(headings)
+    return omega, np.array(headings)[order], values[order].transpose(1, 0, 2)

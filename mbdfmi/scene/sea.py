@@ -1,0 +1,248 @@
+"""The sea: its water, its waves; and bodies that linear potential theory knows."""
+
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+
+from ..vocabulary import HYDRODYNAMICS_OUTPUTS, MEMBER_OUTPUTS, SEA_OUTPUTS
+from .ends import Between, End
+from .errors import show
+from .fields import Boolean, NotNegative, Number, OneOf, Part, Positive, SomeOf, Vector, number
+from .meshes import MeshFile
+
+
+def data_file(value, info):
+    """The type's validator of a file of numbers: relative names start at the folder of the scene file."""
+    if isinstance(value, MeshFile):
+        return value
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f"needs the name of a file in quotes, found {show(value)}")
+    return MeshFile(value, (info.context or {}).get("folder", "."))
+
+
+DataName = Annotated[MeshFile, PlainValidator(data_file)]
+
+
+def whole(least, most):
+    """The type of a whole number."""
+
+    what = f"whole number from {least} to {most}"
+
+    def check(value):
+        if number(value) != int(value) or not least <= value <= most:
+            raise ValueError(f"must be a {what}, found {show(value)}")
+        return int(value)
+
+    return Annotated[int, BeforeValidator(check)]
+
+
+Count = whole(1, 10_000)
+Seed = whole(0, 2**32 - 1)
+States = whole(2, 60)
+
+
+class RegularWaves(Part):
+    """height : m, from trough to crest. period : s. phase_deg : of the elevation height / 2 cos(2 pi t / period + phase) at the origin."""
+
+    height: Positive
+    period: Positive
+    phase_deg: Number = 0.0
+
+
+class Spectrum(Part):
+    """A sea of random phases whose energy is that of hs exactly.
+
+    hs : significant height, m. tp : period of the peak, s.
+    components : their number.
+    spacing : "energy", components of equal energy, "frequency", in bands of equal width.
+    spread, directions : s of cos^(2 s)(angle / 2) about the mean direction, over so many directions; left out, all travel one way.
+    seed : another one is another sea of the same spectrum.
+    """
+
+    hs: Positive
+    tp: Positive
+    components: Count = 200
+    spacing: OneOf("energy", "frequency") = "energy"
+    spread: Positive | None = None
+    directions: Count = 11
+    seed: Seed = 1
+
+
+class Jonswap(Spectrum):
+    """gamma : how much its peak stands out; 1 is Pierson and Moskowitz's."""
+
+    gamma: Positive = 3.3
+
+
+class WaveSeries(Part):
+    """A measured elevation, over and over.
+
+    file : CSV with a line of names, then time (s, evenly spaced) and elevation (m) at the origin.
+    """
+
+    file: DataName = Field(description='as in file = "elevation.csv"')
+
+
+class WaveComponents(Part):
+    """file : CSV with a line of names, then omega (rad/s), amplitude (m), phase (rad), direction (rad): elevation at the origin is
+    the sum of amplitude cos(omega t + phase)."""
+
+    file: DataName = Field(description='as in file = "components.csv"')
+
+
+class Waves(Part):
+    """The waves of a sea, long before the bodies are there.
+
+    direction_deg : the way they travel, from x towards y; not of components.
+    """
+
+    needed: ClassVar[tuple] = (("regular", "jonswap", "pierson_moskowitz", "components", "series"),)
+
+    regular: RegularWaves | None = None
+    jonswap: Jonswap | None = None
+    pierson_moskowitz: Spectrum | None = None
+    components: WaveComponents | None = None
+    series: WaveSeries | None = None
+    direction_deg: Number = 0.0
+
+
+class Current(Part):
+    """velocity : (3,) m/s at the surface, in the inertial frame.
+    exponent : of the power law ((depth + z) / depth)^exponent by which it falls towards the bed; 0: the same all the way.
+    """
+
+    velocity: Vector = Field(description="velocity [x, y, z] in m/s")
+    exponent: NotNegative = 0.0
+
+
+class Sea(Part):
+    """Water that fills z < 0 of the inertial frame, z up. Without this table what floats does so in sea water at rest.
+
+    density : kg/m3.
+    depth : m, of a flat bed; deep when left out.
+    current : that drags at members; none when left out.
+    waves : that bodies with `hydrodynamics` feel; none when left out.
+    output : elevation of the undisturbed sea at the origin, m.
+    """
+
+    density: Positive = 1025.0
+    depth: Positive | None = None
+    current: Current | None = None
+    waves: Waves | None = None
+    output: SomeOf(*SEA_OUTPUTS) = []
+
+    @model_validator(mode="after")
+    def _check_output(self):
+        if self.output and not self.waves:
+            raise ValueError('output "elevation" is that of waves, and there are none')
+        if self.current and self.current.exponent and not self.depth:
+            raise ValueError("a current that falls towards the bed needs a depth")
+        return self
+
+
+class RadiationOptions(Part):
+    """error : of the memory, by the peak of each motion; it gets as many states as that takes.
+    states : so many instead, for each group of motions that are coupled.
+    file : a ready model in states instead (.ss, as SS_Fitting writes it), in SI, of force and motion about the same point.
+    """
+
+    exclusive = (("error", "states", "file"),)
+
+    error: Positive | None = None
+    states: States | None = None
+    file: DataName | None = None
+
+
+class HydrodynamicsOptions(Part):
+    """Coefficients over frequency from a file.
+
+    file : WAMIT's NAME.1, with NAME.3 beside it (also NAME.3.gz); a dataset of capytaine (.nc) or a file of BEMIO (.h5), which want
+        pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. Of one body.
+    scale : m, the length that WAMIT's numbers are non-dimensional by (ULEN).
+    radiation : how the memory of waves made is fitted, or false: none, added mass at infinite frequency alone.
+    excitation : whether the sea's waves act.
+    """
+
+    file: DataName = Field(description='as in file = "barge.1"')
+    scale: Positive = 1.0
+    radiation: RadiationOptions | Boolean = RadiationOptions()
+    excitation: Boolean = True
+
+
+class Hydrodynamics(Part):
+    """hydrodynamics = { file, scale, radiation, excitation }, on : the end about whose origin the coefficients are.
+
+    Cummins' equation: added mass at infinite frequency (part of the body's inertia), memory of the waves that the body makes, and what
+    those of the sea do to it where it starts. Axes are those of the inertial frame, whatever way the body turns (linear theory). Buoyancy
+    is for `hydrostatics` or `linear` beside it, drag for `linear`.
+
+    output : force (N) and moment (N m) of radiation, without added mass, and of excitation about the end's origin, inertial axes; the
+        power of both on the body, W.
+    """
+
+    kind: ClassVar[str] = "hydrodynamics"
+    input: ClassVar[tuple] = ()
+
+    hydrodynamics: HydrodynamicsOptions
+    on: End = Field(description='the end about which the coefficients are, as in on = "body.waterline"')
+    output: SomeOf(*HYDRODYNAMICS_OUTPUTS) = ()
+
+    @property
+    def between(self):
+        """The one end."""
+        return (self.on,)
+
+
+class MemberOptions(Part):
+    """diameter : m.
+    drag : coefficient across the axis, by diameter and length.
+    axial_drag : coefficient along it, by the area of the disc, for each end that is under water.
+    sections : of the wet part, with two points each.
+    """
+
+    diameter: Positive
+    drag: NotNegative = 1.0
+    axial_drag: NotNegative = 0.0
+    sections: whole(1, 100) = 4
+
+
+class Member(Part):
+    """member = { diameter, drag, axial_drag, sections }, between : two ends on one body, round it is between them.
+
+    Drag of still water and current on what of it is under z = 0: Morison's term in the velocity. Waves do not move the water here, and added
+    mass is for `hydrodynamics` or `linear`.
+
+    output : force of the water (N, inertial frame), its power on the body (W).
+    """
+
+    kind: ClassVar[str] = "member"
+    input: ClassVar[tuple] = ()
+
+    member: MemberOptions
+    between: Between = Field(description='its two ends, as in between = ["hull.keel", "hull.deck"]')
+    output: SomeOf(*MEMBER_OUTPUTS) = ()
+
+
+def csv_columns(file, count):
+    """(n, count) numbers of a CSV file with a line of names. Raises ValueError that names file and line."""
+    try:
+        lines = Path(file.path).read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeError) as error:
+        raise ValueError(f"{file.path}: {getattr(error, 'strerror', None) or error}") from None
+
+    rows = []
+    for at, line in enumerate(lines[1:], 2):
+        if line.strip():
+            try:
+                row = [float(word) for word in line.replace(";", ",").split(",")]
+            except ValueError:
+                raise ValueError(f"{file.path}: line {at} is no row of numbers: {line[:60]!r}") from None
+            if len(row) != count or not np.isfinite(row).all():
+                raise ValueError(f"{file.path}: line {at} needs {count} finite numbers, found {line[:60]!r}")
+            rows.append(row)
+
+    if len(rows) < 1 + (count == 2):
+        raise ValueError(f"{file.path}: holds too few rows")
+    return np.array(rows)
