@@ -13,6 +13,7 @@ MODELS = Path(__file__).parents[1] / "models"
 
 # s, of each run, and when its picture is taken: what is not listed runs for 4 s and is shown at the start
 RUNS = {
+    "bicycle": (1.0, 0.5),
     "bricard": (6.0, 0.8),
     "cam_follower": (0.6, 0.1),
     "double_pendulum": (6.0, 1.2),

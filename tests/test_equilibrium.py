@@ -9,6 +9,7 @@ from scipy import optimize
 import mbdfmi
 from mbdfmi import Scene
 from mbdfmi.analysis.equilibrium import NoEquilibrium
+from tests.referee import generator
 
 G = 9.81
 
@@ -243,3 +244,32 @@ def test_a_file_gets_its_new_start_and_keeps_its_words(tmp_path, capsys):
     assert main(["equilibrium", str(path), "--all", "--nearest"]) == 1
     assert main(["equilibrium", ROOT + "satellite.toml"]) == 1
     assert "moves away" in capsys.readouterr().err
+
+
+def in_oil(seed):
+    """A random scene of the referee with drag on every body, that takes no part in where it rests."""
+    data = generator.draw(seed, size=1 + seed % 2)
+    data["solver"] = {"tolerance": 1e-7, "formulation": "recursive"}
+    scene = Scene.model_validate(data)
+
+    for name, body in scene.body.items():
+        mass, _, inertia = body.mass_properties()
+
+        if mass > 0.0:
+            drag = np.diag([3 * mass] * 3 + [3 * max(np.trace(inertia), 1e-3 * mass)] * 3)
+            scene.force[f"drag {name}"] = {
+                "linear": {"damping": drag.tolist(), "axes": "body"},
+                "between": ["ground", name],
+            }
+
+    return scene
+
+
+@pytest.mark.parametrize("seed", [1, 7, 14, 15, 16, 47, 49, 57, 58])
+def test_random_scenes_end_in_oil_where_their_equilibrium_is(seed):
+    """Loops, springs, ropes, bushings, surfaces as the referee draws them: those of few seeds that rest in less than 80 s."""
+    scene = in_oil(seed)
+    found = scene.equilibrium()
+    end = scene.simulate(80.0, 80.0)
+    assert found.stable
+    assert max(np.abs(end.poses(body)[0][-1] - r).max() for body, (r, _) in found.positions.items()) < 1e-6

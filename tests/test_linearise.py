@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
+import mbdfmi
 from mbdfmi import Scene
-from mbdfmi.analysis.linearise import about
+from mbdfmi.analysis.linear import about
 
 # Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463 (2007), table 2 of the benchmark bicycle: forward speed (m/s) and
 # eigenvalues (1/s)
@@ -26,59 +27,11 @@ BICYCLE = {
 }
 
 
-def bicycle(speed=0.0):
-    """The benchmark bicycle on the plane z = 0, z up, straight ahead along x; origin at the rear contact."""
-    w, c, tilt = 1.02, 0.08, np.pi / 10
-    front, rear = 0.35, 0.3
-    return Scene(
-        name="bicycle",
-        gravity=[0, 0, -9.81],
-        solver={"closing_tolerance": 1e-12},
-        body={
-            "frame": {
-                "mass": 85.0,
-                "com": [0.3, 0, 0.9],
-                "inertia": [9.2, 11.0, 2.8, 0, -2.4, 0],
-                "marker": {
-                    "axle": {"position": [0, 0, rear]},
-                    "head": {"position": [w + c, 0, 0]},
-                },
-            },
-            "fork": {
-                "mass": 4.0,
-                "com": [0.9 - w - c, 0, 0.7],
-                "inertia": [0.05892, 0.06, 0.00708, 0, 0.00756, 0],
-                "marker": {"axle": {"position": [-c, 0, front]}},
-            },
-            "rear": {"mass": 2.0, "inertia": [0.0603, 0.12, 0.0603]},
-            "front": {"mass": 3.0, "inertia": [0.1405, 0.28, 0.1405]},
-        },
-        joint={
-            "place": {
-                "free": {},
-                "between": ["ground", "frame"],
-                "start": {"velocity": [speed, 0, 0]},
-            },
-            "rear_axle": {
-                "revolute": {"axis": "y"},
-                "between": ["frame.axle", "rear"],
-                "start": {"speed": speed / rear},
-            },
-            "steer": {
-                "revolute": {"axis": [-np.sin(tilt), 0, np.cos(tilt)]},
-                "between": ["frame.head", "fork"],
-                "input": "torque",
-                "output": ["angle"],
-            },
-            "front_axle": {
-                "revolute": {"axis": "y"},
-                "between": ["fork.axle", "front"],
-                "start": {"speed": speed / front},
-            },
-            "rear_contact": {"rolling_disk": {"radius": rear, "axis": "y"}, "between": ["ground", "rear"]},
-            "front_contact": {"rolling_disk": {"radius": front, "axis": "y"}, "between": ["ground", "front"]},
-        },
-    )
+def bicycle(speed):
+    """The benchmark bicycle, straight ahead at a speed (m/s)."""
+    scene = mbdfmi.load(mbdfmi.__path__[0] + "/../models/bicycle.toml")
+    scene.joint["frame"].start = {"velocity": [speed, 0, 0]}
+    return scene
 
 
 def own_values(scene, **options):

@@ -12,10 +12,11 @@ import numpy as np
 from ..scene.errors import listed
 from .manifold import Manifold, NoState
 
-# furthest step at first (rad, or parts of the scene's length), how far in all before nothing is hoped for,
-# iterations
+# furthest step (rad, or parts of the scene's length) at first and at all, how far in all before nothing is
+# hoped for, iterations
 STRIDE = 0.3
-FURTHEST = 1e3
+LONGEST = 30.0
+FURTHEST = 200.0
 ITERATIONS = 400
 
 # iterations of Newton's method from a drawn start
@@ -28,12 +29,17 @@ ROUNDING = 1e-16
 CLOSE = 1e-5
 FINISHING = 8
 
-# squares of frequencies (1/s2) below that part of the largest are none: a motion without stiffness
+# squares of frequencies (1/s2) below that part of the largest are none, and below what differences tell: a
+# motion without stiffness
 NEUTRAL = 1e-9
+NOTHING = 5e-9
 
 # accelerations (rad/s2, or of the scene's length) along such a motion that are not rounding, as part of the
 # largest effort's
 PULLED = 1e-7
+
+# accelerations (rad/s2, parts of the scene's length) that are rounding in any case
+ROUNDED = 1e-11
 
 # rad, or part of the scene's length, by which an unstable equilibrium is left
 NUDGE = 0.05
@@ -41,6 +47,11 @@ NUDGE = 0.05
 
 class NoEquilibrium(NoState):
     """There is no equilibrium near; the message says what moves away."""
+
+
+def tiny(squares):
+    """What is none among squares of frequencies, 1/s2."""
+    return max(NEUTRAL * np.abs(squares).max(initial=0.0), NOTHING)
 
 
 @dataclass(frozen=True)
@@ -62,11 +73,10 @@ class Rest:
     @property
     def stable(self):
         """True, False, or None where some motion has no stiffness."""
-        if not len(self.squares):
+        if not len(self.squares) or self.squares[0] > tiny(self.squares):
             return True
 
-        tiny = NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
-        return False if self.squares[0] < -tiny else None if self.squares[0] <= tiny else True
+        return False if self.squares[0] < -tiny(self.squares) else None
 
 
 def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
@@ -165,10 +175,9 @@ class _Search:
 
         for iteration in range(ITERATIONS):
             self._see()
-            size = max(np.abs(self.squares).max(), 1e-30)
             along = self.own.T @ self.force
-            neutral = np.abs(self.squares) <= NEUTRAL * size
-            pulled = np.abs(along) > PULLED * self._scale()
+            neutral = np.abs(self.squares) <= tiny(self.squares)
+            pulled = self._pulled(along)
 
             if damping is None:
                 # the first step is about a tenth of the longest
@@ -221,12 +230,10 @@ class _Search:
 
         for iteration in range(STRAIGHT):
             self._see()
-            neutral = np.abs(self.squares) <= NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
+            neutral = np.abs(self.squares) <= tiny(self.squares)
 
             if self._newton_is_close(neutral):
-                pulled = np.abs(self.own.T @ self.force) > PULLED * self._scale()
-
-                if np.any(neutral & pulled):
+                if np.any(neutral & self._pulled(self.own.T @ self.force)):
                     break
 
                 self._finish(neutral)
@@ -258,6 +265,11 @@ class _Search:
             step = 0.5 * step
 
         return False
+
+    def _pulled(self, along):
+        """(n,) whether forces along motions (n,) are more than rounding."""
+        seen = np.abs(self.manifold.V @ self.shapes * along) / self.unit[:, None]
+        return (np.abs(along) > PULLED * self._scale()) & (seen.max(axis=0, initial=0.0) > ROUNDED)
 
     def _scale(self):
         """Accelerations in coordinates of mass 1 that compare with those of weights and springs here."""
@@ -299,7 +311,7 @@ class _Search:
             manifold.put(manifold.V @ self.newton)
             manifold.look()
             self._see()
-            neutral = np.abs(self.squares) <= NEUTRAL * max(np.abs(self.squares).max(), 1e-30)
+            neutral = np.abs(self.squares) <= tiny(self.squares)
             self.newton = self._newton(neutral)
 
         self.error = min(least, self._size(self.newton))
@@ -346,7 +358,9 @@ class _Search:
         even = abs(after - before) < 1e-3 * before
         manifold.look()
         grown = limit * (4.0 if even and shorten < 1.0 else 1.5)
-        return damping / (4.0 if after > 0.0 else 2.0), max(grown if even else min(grown, STRIDE), 1e-8)
+        return damping / (4.0 if after > 0.0 else 2.0), max(
+            min(grown, LONGEST) if even else min(grown, STRIDE), 1e-8
+        )
 
     def _moving(self):
         """Coordinates that are pulled most."""

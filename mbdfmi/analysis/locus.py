@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # which imports its parts when they are asked for
 
 from ..files import check_ending, replacing
-from .linearise import about
+from .linear import about
 from .manifold import AUTO, Manifold
 from .places import mechanism_of, state_at
 

@@ -14,7 +14,7 @@ from ..scene.end_frames import END_FRAMES
 from ..scene.errors import listed
 from ..scene.starts import RATES
 from ..vocabulary import EFFORT_OUTPUTS, POSE_EFFORTS, REACTIONS
-from .equilibrium import NEUTRAL, NoEquilibrium, Rest, approach, settle
+from .equilibrium import NoEquilibrium, Rest, approach, settle, tiny
 from .manifold import Manifold
 from .places import mechanism_of
 
@@ -74,7 +74,7 @@ class Equilibrium:
 
     def modes(self):
         """The modes about it; see `mbdfmi.analysis.modes.Modes`."""
-        from .linearise import about
+        from .linear import about
 
         return about(self.manifold, [], []).modes()
 
@@ -293,17 +293,17 @@ def _motions(manifold, rest):
     if not len(rest.squares):
         return []
 
-    tiny = NEUTRAL * max(np.abs(rest.squares).max(), 1e-30)
+    none = tiny(rest.squares)
     told = []
 
     for square, shape in zip(rest.squares, rest.shapes.T):
-        if square > tiny:
+        if square > none:
             break
 
         way = manifold.V @ shape / manifold.unit
         order = [k for k in np.argsort(-np.abs(way)) if abs(way[k]) >= TOLD * np.abs(way).max()][:4]
         names = listed([manifold.named[k].position for k in order])
-        how = "no stiffness" if square >= -tiny else f"away with {np.sqrt(-square):.4g} 1/s"
+        how = "no stiffness" if square >= -none else f"away with {np.sqrt(-square):.4g} 1/s"
         told.append(f"{names}: {how}")
 
     return told
@@ -401,7 +401,7 @@ def _idle(manifold, rest):
     if not len(rest.squares):
         return found
 
-    free = np.abs(rest.squares) <= NEUTRAL * max(np.abs(rest.squares).max(), 1e-30)
+    free = np.abs(rest.squares) <= tiny(rest.squares)
     ways = manifold.V @ rest.shapes[:, free] / manifold.unit[:, None]
 
     for k, named in enumerate(manifold.named):

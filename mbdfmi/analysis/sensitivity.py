@@ -8,7 +8,7 @@ import scipy  # which imports its parts when they are asked for
 from ..run.inputs import known
 from ..scene import variable_name
 from .differences import derivative
-from .linearise import about
+from .linear import about
 from .manifold import Manifold
 from .places import state_at
 

@@ -58,8 +58,8 @@ class Trim:
     manifold: Manifold = field(repr=False)
 
     def linearise(self, inputs=None, outputs=None):
-        """The linear model about it; see `mbdfmi.analysis.linearise.Linear`."""
-        from .linearise import about
+        """The linear model about it; see `mbdfmi.analysis.linear.Linear`."""
+        from .linear import about
 
         return about(self.manifold, inputs, outputs)
 

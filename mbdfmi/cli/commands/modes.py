@@ -192,7 +192,6 @@ def _print(modes):
     numbers = ("mode", "frequency, Hz", "damping, %", "growth, 1/s")
     table = table_of(*numbers, "motion", "joints", "bodies", numbers=numbers)
     table.columns[len(numbers)].overflow = "fold"
-    manifold = modes.linear.manifold
 
     for k, mode in enumerate(modes.modes[:MOST_ROWS], 1):
         table.add_row(
@@ -200,7 +199,7 @@ def _print(modes):
             f"{mode.damped_frequency:.6g}" if mode.oscillates else "",
             f"{100 * mode.damping:.4g}" if mode.oscillates else "",
             f"{mode.eigenvalue.real + 0.0:.4g}",
-            _motion(manifold, mode),
+            _motion(modes, mode),
             _shares(mode.joints),
             _shares(mode.bodies),
         )
@@ -230,10 +229,13 @@ def _print_sensitivities(modes):
     print_table(table)
 
 
-def _motion(manifold, mode):
-    """The coordinates that move most."""
+def _motion(modes, mode):
+    """The coordinates that move most, those apart that are only led along."""
+    manifold, led = modes.linear.manifold, set(modes.free)
+    own = [k for k, named in enumerate(manifold.named) if named.position not in led]
     sizes = np.abs(mode.shape) / manifold.unit
-    order = [k for k in np.argsort(-sizes) if sizes[k] >= 0.3 * sizes.max()][:SHARES]
+    most = sizes[own].max(initial=0.0)
+    order = [k for k in sorted(own, key=lambda k: -sizes[k]) if sizes[k] >= 0.3 * most][:SHARES]
     return ", ".join(manifold.named[k].position for k in order)
 
 

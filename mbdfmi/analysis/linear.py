@@ -1,0 +1,315 @@
+"""Linear models of a scene about a state: x' = A x + B u, y = C x + D u in minimal coordinates
+(docs/theory.md 19.4).
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy  # which imports its parts when they are asked for
+
+from ..files import check_ending, replacing
+from ..kernels import entry
+from ..run.inputs import known
+from ..scene import variable_name
+from ..scene.errors import listed
+from .differences import derivative
+from .manifold import Manifold
+
+# relative error of a derivative from which on it is told
+POOR = 1e-7
+
+ENDINGS = (".npz", ".mat")
+
+# accelerations (rad/s2, or of the scene's length) that are told: a steady state is known to some digits alone
+STEADY = 1e-4
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A scene linearised about a state.
+
+    A, B, C, D : x' = A x + B u, y = C x + D u, deviations from the state looked at, SI.
+    states, inputs, outputs : names; units : of all of these, by name.
+    n_places, n_speeds : how many of the states, in this order, are positions and velocities; the others are
+        states of force elements.
+    u0, y0 : inputs and outputs of the state. acceleration : (n_speeds,) v' there; rate : (n_states,) x'
+        there.
+    time : s. inverse_inertia : (n_speeds, n_speeds) accelerations by efforts along the velocities.
+    sensitivities : derivatives by parameters, where they were asked for (`Sensitivities`), else None.
+    error : estimated relative error of the derivatives. notices : what a user should be told.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    states: list[str]
+    inputs: list[str]
+    outputs: list[str]
+    units: dict[str, str | None]
+    n_places: int
+    n_speeds: int
+    u0: np.ndarray
+    y0: np.ndarray
+    acceleration: np.ndarray
+    time: float
+    inverse_inertia: np.ndarray
+    error: float
+    title: str
+    notices: list[str] = field(default_factory=list)
+    manifold: Manifold | None = field(default=None, repr=False)
+    sensitivities: Any = None
+
+    def state_space(self):
+        """The same as scipy.signal.StateSpace."""
+        from scipy.signal import StateSpace
+
+        return StateSpace(self.A, self.B, self.C, self.D)
+
+    def control(self):
+        """The same as control.StateSpace, with names. Raises ImportError where python-control is missing."""
+        try:
+            import control
+        except ImportError:
+            raise ImportError("python-control is not installed: pip install control") from None
+
+        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        return control.ss(self.A, self.B, self.C, self.D, **names)
+
+    @property
+    def stiffness(self):
+        """(n_speeds, n_speeds) efforts along the independent velocities by ways along these: the reduced
+        stiffness, at rest.
+        """
+        return -np.linalg.solve(self.inverse_inertia, self._by_ways())
+
+    @property
+    def damping(self):
+        """(n_speeds, n_speeds) likewise by velocities, gyroscopic terms included."""
+        p, v = self.n_places, self.n_speeds
+        return -np.linalg.solve(self.inverse_inertia, self.A[p : p + v, p : p + v])
+
+    @property
+    def inertia(self):
+        """(n_speeds, n_speeds) the reduced mass matrix."""
+        return np.linalg.inv(self.inverse_inertia)
+
+    def _by_ways(self):
+        """(n_speeds, n_speeds) accelerations by ways that velocities lead to."""
+        p, v = self.n_places, self.n_speeds
+        return self.A[p : p + v, :p] @ self.A[:p, p : p + v]
+
+    def modes(self):
+        """The modes; see `mbdfmi.analysis.modes.Modes`."""
+        from .modes import modes_of
+
+        return modes_of(self)
+
+    def save(self, path) -> Path:
+        """Write the matrices and the names to a file that numpy (.npz) or MATLAB (.mat) reads. Returns the
+        path.
+        """
+        path = Path(path)
+        check_ending(path, "matrices are to be written", *ENDINGS)
+
+        if path.suffix.lower() not in ENDINGS:
+            raise ValueError(f"{path}: let its name end in .npz (numpy) or .mat (MATLAB, Octave)")
+
+        tables = {key: getattr(self, key) for key in ("A", "B", "C", "D", "u0", "y0", "time")}
+        tables |= {"mass": self.inertia, "stiffness": self.stiffness, "damping": self.damping}
+        names = {key: getattr(self, key) for key in ("states", "inputs", "outputs")}
+        names["state_units"] = [self.units[name] or "" for name in self.states]
+
+        with replacing(path) as temporary, open(temporary, "wb") as file:
+            if path.suffix.lower() == ".npz":
+                arrays = tables | {key: np.array(some, str) for key, some in names.items()}
+                np.savez(file, allow_pickle=False, **arrays)
+            else:
+                cells = {key: np.array(some, object).reshape(-1, 1) for key, some in names.items()}
+                scipy.io.savemat(file, tables | cells)
+
+        return path
+
+
+def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:
+    """The same of the state that a manifold looks at."""
+    model, m, d = manifold.model, manifold.m, manifold.d
+    u_at, u_names, left = _inputs(model, m, inputs)
+    y_at, y_names = _chosen(model, outputs, "output")
+    look = _Look(manifold, y_at)
+    n, n_z, n_seen = len(manifold.free), len(manifold.z), look.n_rates
+    here = look.here()
+    T, worst = look.along()
+    manifold.put()
+    by_inputs = look.by_inputs(u_at)
+    rate, z_rate, shown, away, speed, z = np.split(T, np.cumsum([n, n_z, len(y_at), n, n]))
+    P, V = manifold.places, manifold.speeds
+    away, speed, turning, rate = manifold.drift(away, speed, rate)
+    S = np.vstack([away[P], speed[V], z])
+    R = np.vstack([turning[P], rate[V], z_rate])
+    back = np.linalg.inv(S) if len(S) else S
+    states = manifold.states
+    units = dict(states)
+    units |= {v.name: v.unit for v in model.variables}
+    notes = [*notices, *_unsteady(manifold)]
+
+    if left:
+        notes.append(
+            f"{listed(left)} {'commands' if len(left) == 1 else 'command'} motion, which acts by its rates "
+            "too: held, no input of the linear model"
+        )
+    if worst > POOR:
+        notes.append(
+            f"derivatives are known to {worst:.1g} alone: the state is at, or within differences of, a kink "
+            "(a stop, a rope that comes taut, friction)"
+        )
+
+    return Linear(
+        A=R @ back,
+        B=np.vstack([np.zeros((len(P), len(u_at))), by_inputs[:n][V], by_inputs[n:n_seen]]),
+        C=shown @ back,
+        D=by_inputs[n_seen:],
+        states=[name for name, _ in states],
+        inputs=u_names,
+        outputs=y_names,
+        units=units,
+        n_places=len(P),
+        n_speeds=len(V),
+        u0=d.u_buffer[u_at].copy(),
+        y0=here[n_seen:],
+        acceleration=here[:n][V],
+        time=float(d.time[0]),
+        inverse_inertia=manifold.inverse_inertia(),
+        error=worst,
+        title=model.title,
+        notices=notes,
+        manifold=manifold,
+    )
+
+
+def _chosen(model, names, causality):
+    """(positions in the buffer, names) of variables, by default of all."""
+    by_name = {v.name: v for v in model.of_causality(causality)}
+
+    if names is None:
+        parts = list(by_name)
+    else:
+        names = [names] if isinstance(names, str) else names
+        parts = [part for name in names for part in known(variable_name(name), by_name, causality)]
+
+    return np.array([by_name[part].index for part in parts], int), parts
+
+
+def _inputs(model, m, names):
+    """(positions in u, names) of inputs, and those left out as they command motion. Raises ValueError."""
+    at, parts = _chosen(model, names, "input")
+    commands = set(m.command_u[: 3 * m.n_command].tolist())
+    # all inputs of the ground are of its motion
+    left = [part for k, part in zip(at, parts) if k in commands or part.startswith("ground.")]
+
+    if names is not None and left:
+        raise ValueError(
+            f"{listed(left)}: commands motion, which acts by its rates too; it is no input of a linear model"
+        )
+
+    keep = [(k, part) for k, part in zip(at, parts) if part not in left]
+    return np.array([k for k, _ in keep], int), [part for _, part in keep], left
+
+
+class _Look:
+    """What is seen of the states near the one that a manifold looks at: rates (of free velocities and force
+    elements), then outputs.
+    """
+
+    def __init__(self, manifold, y_at):
+        self.manifold, self.y_at = manifold, y_at
+        self.m, self.d = manifold.m, manifold.d
+        self.y = np.zeros(manifold.model.n_y)
+        self.z_rates = manifold.z - self.m.n_q - self.m.n_v
+        self.n_rates = len(manifold.free) + len(manifold.z)
+
+    def here(self):
+        """(n_rates + n_y,) of the state as it is."""
+        manifold, d = self.manifold, self.d
+        parts = [manifold.accelerations()]
+
+        if len(self.z_rates):
+            parts.append(d.z_rate[self.z_rates])
+
+        if len(self.y_at):
+            manifold._check(entry.compute_outputs(self.m, d, self.y))
+            parts.append(self.y[self.y_at])
+
+        return np.concatenate(parts)
+
+    def _with_place(self):
+        """The same, then where the state is: positions, velocities, states of force elements."""
+        manifold, d = self.manifold, self.d
+        return np.concatenate([self.here(), manifold.away(d.x), d.v[manifold.free], d.x[manifold.z]])
+
+    def along(self):
+        """(derivatives along the independent coordinates, by columns, of all of that; relative error)."""
+        manifold = self.manifold
+        measured = slice(0, self.n_rates)
+        n, n_z = len(manifold.free), len(manifold.z)
+        # without constraints directions are what they say
+        exact = self.m.n_row == 0
+        see = self.here if exact else self._with_place
+        columns, worst = [], 0.0
+
+        for kind, direction, step in manifold.directions():
+
+            def at(h, kind=kind, direction=direction):
+                manifold.go(kind, direction, h)
+                return see()
+
+            even = kind == 1 and exact and manifold.rests and not len(self.y_at)
+            found, error = derivative(at, step, measured, even)
+
+            if exact:
+                place = [np.zeros(n), np.zeros(n), np.zeros(n_z)]
+                place[kind] = direction
+                found = np.concatenate([found, *place])
+
+            columns.append(found)
+            worst = max(worst, error)
+
+        size = self.n_rates + len(self.y_at) + 2 * n + n_z
+        return np.array(columns).reshape(len(columns), size).T, worst
+
+    def by_inputs(self, u_at):
+        """(n_rates + n_y, n_u) derivatives by inputs."""
+        m, d = self.m, self.d
+        weight = max(1.0, m.solid_mass.sum() * 9.81) if m.n_solid else 1.0
+        found = np.empty((self.n_rates + len(self.y_at), len(u_at)))
+
+        for column, k in enumerate(u_at.tolist()):
+            value = d.u_buffer[k]
+
+            def at(h, k=k, value=value):
+                d.u_buffer[k] = value + h
+                return self.here()
+
+            try:
+                found[:, column], _ = derivative(at, max(abs(value), 1e-2 * weight), slice(0, self.n_rates))
+            finally:
+                d.u_buffer[k] = value
+
+        return found
+
+
+def _unsteady(manifold):
+    """What is to be told where the motion is not steady: []."""
+    rates_ = manifold.unsteady()
+    sizes = np.abs(rates_) / manifold.unit
+
+    if sizes.max(initial=0.0) <= STEADY:
+        return []
+
+    k = int(sizes.argmax())
+    return [
+        f"the state is not steady: {manifold.named[k].rate} changes by {rates_[k]:.3g} a second, so this "
+        "holds for the moment alone"
+    ]
