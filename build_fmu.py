@@ -1,11 +1,18 @@
 #!/usr/bin/env python3
-"""Build FMUs from scene files: `python build_fmu.py [SCENE ...] [-o DIR]`; without a scene, all of models/."""
+"""Build FMUs from scene files: `python build_fmu.py [SCENE ...] [-o DIR]`; without a scene, all of models/, but for the parts of
+coupled systems.
+"""
 
 import argparse
 import sys
 from pathlib import Path
 
 MODELS = Path(__file__).parent / "models"
+
+
+def scenes_of_models() -> list[Path]:
+    """All scenes of models/; those of models/coupled stand beside systems that are no scenes."""
+    return sorted(path for path in MODELS.rglob("*.toml") if path.parent.name != "coupled")
 
 
 def main() -> int:
@@ -24,7 +31,7 @@ def main() -> int:
         print(f"{error}; install mbdfmi and what it needs first: python -m pip install -e .", file=sys.stderr)
         return 1
 
-    scenes = options.scenes or sorted(map(str, MODELS.rglob("*.toml")))
+    scenes = options.scenes or list(map(str, scenes_of_models()))
     chosen = [f"--platform={name}" for name in options.platform or []]
     return cli.main(["export", *scenes, "-o", f"{options.output}/", *chosen])
 

@@ -34,7 +34,7 @@ WIDTH, HEIGHT = 480, 300
 
 def scenes():
     """Name -> file of every scene of models/."""
-    return {path.stem: path for path in sorted(MODELS.rglob("*.toml"))}
+    return {path.stem: path for path in sorted(MODELS.rglob("*.toml")) if path.parent.name != "coupled"}
 
 
 def show(name, path):

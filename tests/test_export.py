@@ -22,8 +22,7 @@ from mbdfmi.native import library as native
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import read_scene
 from mbdfmi.units import UNITS
-
-SCENES = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
+from tests.model_files import SCENES
 
 
 @pytest.fixture(scope="module", params=SCENES, ids=lambda path: path.stem)

@@ -2,7 +2,6 @@
 
 import ctypes
 from ctypes import byref, c_double, c_int, c_size_t
-from pathlib import Path
 
 import fmpy
 import numpy as np
@@ -14,8 +13,8 @@ from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.scene import read_scene
+from tests.model_files import SCENES
 
-SCENES = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
 UNTIL = 0.5  # s
 
 

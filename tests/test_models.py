@@ -13,9 +13,9 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 import mbdfmi
+from tests.model_files import SCENES
 
 MODELS = Path(__file__).parents[1] / "models"
-SCENES = sorted(MODELS.rglob("*.toml"))
 
 H = 1 / 64  # s, a binary number: i*H and t += H are then the same, whoever computes them
 N = 128

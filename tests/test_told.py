@@ -1,6 +1,5 @@
 """What is odd in a scene is told, what is meant is understood, and what is no scene says what it is."""
 
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +9,8 @@ from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.results import Results
 from mbdfmi.scene import parse_scene, variable_name
+from tests.model_files import SCENES
 
-MODELS = sorted((Path(__file__).parents[1] / "models").rglob("*.toml"))
 AXES = [0.01] * 3
 
 
@@ -24,7 +23,7 @@ def pendulum(joint=None, body=None, **scene):
     )
 
 
-@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_models_have_nothing_odd(path):
     assert load(path).notices == []
 

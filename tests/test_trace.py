@@ -6,7 +6,6 @@ import ctypes
 import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,9 +18,9 @@ from mbdfmi.run.instance import Instance
 from mbdfmi.trace import c99, derivatives, functions, places, specialise
 from mbdfmi.trace.graph import Graph, Untraceable
 from mbdfmi.trace.plain import Kernels
+from tests import model_files
 
-MODELS = Path(__file__).parents[1] / "models"
-SCENES = [path for path in sorted(MODELS.rglob("*.toml")) if "[body" in path.read_text(encoding="utf-8")]
+SCENES = [path for path in model_files.SCENES if "[body" in path.read_text(encoding="utf-8")]
 names = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 
 

@@ -29,6 +29,7 @@ from mbdfmi.view.curves import SURFACES
 from mbdfmi.view.drawing import draw
 from mbdfmi.view.picture import picture
 from mbdfmi.view.show import at_start
+from tests.model_files import SCENES
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
@@ -345,7 +346,7 @@ def test_an_fmu_of_a_scene_that_cannot_be_drawn_says_so(tmp_path):
 def test_the_gallery_has_every_scene():
     gallery = ROOT / "docs" / "gallery"
     index = (gallery / "README.md").read_text(encoding="utf-8")
-    for path in MODELS.rglob("*.toml"):
+    for path in SCENES:
         assert pixels(gallery / f"{path.stem}.png").shape == (300, 480, 3)
         _, info = parts((gallery / f"{path.stem}.html").read_text(encoding="utf-8"))
         assert info["title"] == mbdfmi.load(path).title

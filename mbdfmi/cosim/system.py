@@ -28,7 +28,7 @@ from .plan import Plan, plan
 from .rig import Rig
 from .schema import SystemData
 from .start import initialise
-from .watch import MUCH, BondReport, Watch, bonds, jumps, reports
+from .watch import BondReport, Watch, bonds, jumps, reports, rough
 
 MOST_ROWS = 100_000
 """Rows of a run that are held from the start."""
@@ -262,12 +262,8 @@ class _Simulation:
             notices += [f"{port.name}: {text}" for text in port.slave.told]
         if march is not None:
             notices += march.notices
-        notices += [
-            f"bond {bond.name}: the coupling made {bond.made:.3g} J of {bond.exchanged:.3g} J that went through it "
-            f"({100 * bond.part:.2g} %)"
-            for bond in found
-            if bond.part > MUCH
-        ]
+        notices += [bond.told for bond in found if bond.told]
+        notices += rough(net, history)
         states = None
         if self.recorder is not None:
             states = self.recorder.results().states

@@ -16,13 +16,27 @@ from .schema import Bond
 CHUNK = 16
 """Macro steps after which growth is looked at."""
 
-GROWTH = 10.0
-"""Of the largest value of a link from chunk to chunk, three in a row, that is divergence where the link also jumps."""
+PACE, GROWTH = 1.5, 1000.0
+"""Growth of the largest value of a link from chunk to chunk, and in all while it keeps that pace, that is divergence where the
+link also jumps.
+"""
 
 JUMP = 0.3
 """Median of a link's jumps in a chunk, relative to its largest value there, of a run that diverges."""
 
 WATT = (1, 2, -3, 0, 0, 0, 0)
+WINDOW = 32
+"""Macro steps within which jumps are compared with the range of a link."""
+
+ROUGH = 0.3
+"""Median of a link's jumps in a window, relative to its range there, that is told."""
+
+SHAKES = 1e-3
+"""Range of a link in a window, relative to the largest value that it had, from which on its jumps are looked at."""
+
+MUCH_AT_ONCE = 0.25
+"""The same within a window of the run."""
+
 MUCH = 0.01
 """Of the energy that a bond exchanged: what the coupling made of it that is told."""
 
@@ -33,7 +47,8 @@ class Watch:
     def __init__(self, rig: Rig, history: History, limit: float):
         self.rig, self.history, self.limit = rig, history, limit
         self._square = limit * limit
-        self._peaks: list[np.ndarray] = []
+        self._peak: np.ndarray | None = None
+        self._begin = np.zeros(0)
         self._next = CHUNK
 
     def look(self, time: float):
@@ -59,23 +74,25 @@ class Watch:
         first_row = self.history.n - CHUNK
         now = self.history.now(first_row)
         peak = np.abs(now).max(axis=0)
-        self._peaks = [*self._peaks[-2:], peak]
-        if len(self._peaks) < 3:
+        if self._peak is None:
+            self._peak = self._begin = peak
             return
 
-        first, second, third = self._peaks
-        grows = (third > GROWTH * second) & (second > GROWTH * first) & (first > 0)
+        # where growth pauses it begins anew
+        self._begin = np.where(peak > PACE * self._peak, self._begin, peak)
+        self._peak = peak
+        grows = (peak > GROWTH * self._begin) & (self._begin > 0)
         if not grows.any():
             return
 
         jumps = np.median(np.abs(now - self.history.end(first_row)), axis=0)
-        grows &= jumps > JUMP * third
+        grows &= jumps > JUMP * peak
         if grows.any():
             row = int(np.argmax(grows))
             feed = self.rig.net.feeds[row]
             raise CouplingError(
-                f"the run diverges: {feed.text if feed else row} grows from {first[row]:.3g} to {third[row]:.3g} in "
-                f"{2 * CHUNK} steps, up to {time:.9g} s{ADVICE}"
+                f"the run diverges: {feed.text if feed else row} grows from {self._begin[row]:.3g} to {peak[row]:.3g} from "
+                f"step to step, up to {time:.9g} s{ADVICE}"
             )
 
 
@@ -93,24 +110,38 @@ class PowerBond:
 
 @dataclass(frozen=True)
 class BondReport:
-    """What was found of a bond. residual : W at each communication point, what the coupling makes; made, exchanged : J."""
+    """What was found of a bond. residual : W at each communication point, what the coupling makes; made, exchanged : J;
+    worst : the largest part of what was exchanged in a window that was made there; when : s, its start."""
 
     name: str
     residual: np.ndarray
     made: float
     exchanged: float
+    worst: float = 0.0
+    when: float = 0.0
 
     @property
     def part(self) -> float:
         """What was made, of what was exchanged."""
         return abs(self.made) / self.exchanged if self.exchanged > 0 else 0.0
 
+    @property
+    def told(self) -> str:
+        """What a user should know of it, or nothing."""
+        if self.part > MUCH:
+            part = f"{100 * self.part:.2g} %"
+            return f"bond {self.name}: the coupling made {self.made:.3g} J of {self.exchanged:.3g} J that went through it ({part})"
+        if self.worst > MUCH_AT_ONCE:
+            return (
+                f"bond {self.name}: around {self.when:.6g} s the coupling made or lost {100 * self.worst:.2g} % of the energy "
+                "that went through it; the step is too long for the master, or the coupling is unstable"
+            )
+        return ""
+
 
 def bonds(net: Network, given: dict[str, Bond]) -> list[PowerBond]:
     """The bonds of a system: those that are given, and those that units and names tell. Raises CouplingError."""
-    single = [
-        f for f in net.feeds if f and len(f.terms) == 1 and f.offset == 0.0 and f.terms[0].factor != 0.0
-    ]
+    single = [f for f in net.feeds if f and len(f.terms) == 1 and f.terms[0].factor != 0.0]
     found = [_given(name, bond, net.members, single) for name, bond in given.items()]
     used = {feed for bond in found for feed in (bond.effort, bond.flow)}
 
@@ -136,7 +167,7 @@ def _given(name, bond, members: dict[str, Member], single):
             raise CouplingError(f"[bond.{name}] {key}: {error}") from error
         fits = [f for f in single if f.terms[0].giver == member.name and f.terms[0].output is signals[0]]
         if not fits:
-            raise CouplingError(f"[bond.{name}] {key}: {text} is the one source of no link without an offset")
+            raise CouplingError(f"[bond.{name}] {key}: {text} is the one source of no link")
         feeds.append(fits)
 
     for effort in feeds[0]:
@@ -146,8 +177,13 @@ def _given(name, bond, members: dict[str, Member], single):
     raise CouplingError(f"[bond.{name}] effort and flow are no links between the same two FMUs, one each way")
 
 
+def _unit(feed):
+    """Of what a link carries: of its source, or of its target where the source has none."""
+    return feed.terms[0].output.unit or feed.entry.unit
+
+
 def _is_effort(feed):
-    unit = feed.terms[0].output.unit
+    unit = _unit(feed)
     return unit is not None and unit.exponents[0] == 1
 
 
@@ -155,9 +191,10 @@ def _carry_power(effort, flow):
     one, other = effort.terms[0], flow.terms[0]
     if effort.taker != other.giver or flow.taker != one.giver or effort.taker == flow.taker:
         return False
-    if other.output.unit is None:
+    units = _unit(effort), _unit(flow)
+    if None in units:
         return False
-    exponents = tuple(a + b for a, b in zip(one.output.unit.exponents, other.output.unit.exponents))
+    exponents = tuple(a + b for a, b in zip(units[0].exponents, units[1].exponents))
     return exponents[: len(WATT)] == WATT
 
 
@@ -191,17 +228,60 @@ def _report(net, bond, history):
     made = H / 6 * (residual(0.0) + 4 * residual(0.5) + residual(1.0))
     power = np.abs(effort[0] * flow[2])
     exchanged = np.sum(H / 2 * (power[1:] + power[:-1]))
-    return BondReport(bond.name, np.append(0.0, residual(1.0)), float(np.sum(made)), float(exchanged))
+    worst, when = _worst_window(history.time, made, H / 2 * (power[1:] + power[:-1]))
+    return BondReport(
+        bond.name, np.append(0.0, residual(1.0)), float(np.sum(made)), float(exchanged), worst, when
+    )
+
+
+def _worst_window(time, made, exchanged):
+    """(part, s): the largest part of the energy exchanged in a window that was made there, and its start; windows in which
+    next to nothing was exchanged do not count.
+    """
+    starts = np.arange(0, len(made), WINDOW)
+    sums = np.abs(np.add.reduceat(made, starts)), np.add.reduceat(exchanged, starts)
+    part = sums[0] / np.maximum(sums[1], MUCH * max(sums[1].max(), 1e-300))
+    k = int(np.argmax(part))
+    return float(part[k]), float(time[starts[k]])
 
 
 def _sides(net, feed, history):
     """(input by its links, input as it was given at the end of steps, source, factor) of a feed, in SI units."""
     term = feed.terms[0]
     row, column = net.fed[feed.taker].places[feed.entry], net.place(term.giver, term.output)
-    into = feed.entry.unit.factor if feed.entry.unit else 1.0
-    out = term.output.unit.factor if term.output.unit else 1.0
+    # a side without a unit has that of the other
+    into = (feed.entry.unit or _unit(feed)).factor if _unit(feed) else 1.0
+    out = _unit(feed).factor if _unit(feed) else 1.0
     factor = term.factor * into / out
-    return into * history.now()[:, row], into * history.end()[:, row], out * history.y[:, column], factor
+    # what comes on top is no part of the bond
+    now, end = history.now()[:, row] - feed.offset, history.end()[:, row] - feed.offset
+    return into * now, into * end, out * history.y[:, column], factor
+
+
+def rough(net: Network, history: History) -> list[str]:
+    """What is told of inputs that jump from step to step as far as they go at all, in some window of the run: there their
+    FMUs know too little of each other.
+    """
+    n = (history.n - 1) // WINDOW
+    if n == 0 or not net.n_u:
+        return []
+
+    rows = slice(1, 1 + n * WINDOW)
+    now, end = (values[rows].reshape(n, WINDOW, -1) for values in (history.now(), history.end()))
+    spread, peak = np.ptp(now, axis=1), np.maximum.accumulate(np.abs(now).max(axis=1))
+    usual = np.median(np.abs(now - end), axis=1)
+    # what a link shakes by less than it matters is no concern
+    bad = (usual > ROUGH * spread) & (spread > SHAKES * peak)
+    if not bad.any():
+        return []
+
+    window, row = (int(k[0]) for k in np.nonzero(bad))
+    feed = net.feeds[row]
+    share = 100 * usual[window, row] / spread[window, row]
+    return [
+        f"{feed.text if feed else row} jumps by {share:.2g} % of its range from step to step at {history.time[1 + window * WINDOW]:.6g} s: "
+        "the step is too long for the master, or the coupling is unstable; look at the results with doubt"
+    ]
 
 
 def jumps(net: Network, history: History) -> dict[str, float]:
