@@ -1,6 +1,5 @@
 """What is odd in a scene is told, what is meant is understood, and what is no scene says what it is."""
 
-
 import numpy as np
 import pytest
 
