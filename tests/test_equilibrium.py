@@ -273,3 +273,36 @@ def test_random_scenes_end_in_oil_where_their_equilibrium_is(seed):
     end = scene.simulate(80.0, 80.0)
     assert found.stable
     assert max(np.abs(end.poses(body)[0][-1] - r).max() for body, (r, _) in found.positions.items()) < 1e-6
+
+
+def test_wind_and_waves_are_left_out_unless_asked_for(tmp_path):
+    """A rotor on a spring in steady wind: bent by its thrust only with `weather`, or where an input tells the wind."""
+    rows = [f"{r},{p},{1e-3 + 0.8 * (r >= 0)},{0.0}" for r in (0, 1, 2, 3) for p in (0, 1, 2, 3)]
+    (tmp_path / "rotor.csv").write_text("\n".join(["tip speed ratio,pitch,C_T,C_Q", *rows]))
+    mast = {"mass": 10.0, "com": [0, 0, 1], "inertia": [1, 1, 1], "marker": {"top": {"position": [0, 0, 2]}}}
+    data = {
+        "name": "mast",
+        "gravity": [0, 0, 0],
+        "wind": {"density": 1.2, "steady": {"velocity": [8.0, 0, 0]}, "input": ["velocity"]},
+        "body": {"mast": mast},
+        "joint": {
+            "foot": {"revolute": {"axis": "y"}, "between": ["ground", "mast"], "spring": {"stiffness": 5e4}}
+        },
+        "force": {
+            "air": {
+                "rotor": {"radius": 2.0, "table": str(tmp_path / "rotor.csv")},
+                "on": "mast.top",
+                "output": ["thrust"],
+            }
+        },
+    }
+    scene = Scene.model_validate(data)
+    calm = scene.equilibrium()
+    assert abs(calm.coordinates["foot.angle"]) < 1e-12
+    assert any("wind and waves" in notice for notice in calm.notices)
+
+    windy = scene.equilibrium(weather=True)
+    assert windy.coordinates["foot.angle"] > 1e-3 and not any("wind" in notice for notice in windy.notices)
+    assert abs(5e4 * windy.coordinates["foot.angle"] - 2.0 * windy.outputs["air.thrust"]) < 1e-6
+    told = scene.equilibrium(hold={"wind.velocity": [8.0, 0, 0]})
+    assert abs(told.coordinates["foot.angle"] - windy.coordinates["foot.angle"]) < 1e-12

@@ -79,12 +79,12 @@ class Rest:
         return False if self.squares[0] < -tiny(self.squares) else None
 
 
-def settle(mechanism, stay=False, tell=None) -> tuple[Manifold, Rest]:
+def settle(mechanism, stay=False, tell=None, weather=False) -> tuple[Manifold, Rest]:
     """Brings a mechanism from where it is to a static equilibrium; the drives hold.
 
-    stay : take the first that is found, stable or not. Raises NoEquilibrium.
+    stay : take the first that is found, stable or not. weather : with wind and waves. Raises NoEquilibrium.
     """
-    mechanism.freeze()
+    mechanism.freeze(weather)
     manifold = Manifold(mechanism)
     left, count = 0, 0
 
@@ -117,13 +117,13 @@ def descend(manifold) -> Rest:
     return Rest(search.squares, search.shapes, search.error, count)
 
 
-def approach(mechanism, draw, far, downhill=True) -> tuple[Manifold, Rest]:
+def approach(mechanism, draw, far, downhill=True, weather=False) -> tuple[Manifold, Rest]:
     """The same from a drawn start; downhill : to a stable one, else to any by Newton's method.
 
     draw : a generator of random numbers. far : rad, or lengths of the scene, that coordinates are drawn from.
     Raises NoEquilibrium.
     """
-    mechanism.freeze()
+    mechanism.freeze(weather)
     manifold = Manifold(mechanism)
     search = _Search(manifold)
 

@@ -371,16 +371,25 @@ def _by_own(motions, own, unit):
 
 def _product(E, F):
     """Products of Euler parameters (n, 4), scalar last."""
-    v, w = E[:, :3], F[:, :3]
-    a, b = E[:, 3:], F[:, 3:]
-    vector = a * w + b * v + np.cross(v, w)
-    return np.hstack([vector, a * b - np.sum(v * w, axis=1, keepdims=True)])
+    x, y, z, w = E.T
+    a, b, c, d = F.T
+    return np.array(
+        [
+            w * a + d * x + y * c - z * b,
+            w * b + d * y + z * a - x * c,
+            w * c + d * z + x * b - y * a,
+            w * d - x * a - y * b - z * c,
+        ]
+    ).T
 
 
 def _turn(vectors):
     """Euler parameters (n, 4) of rotation vectors (n, 3)."""
-    half = 0.5 * np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.hstack([0.5 * np.sinc(half / np.pi) * vectors, np.cos(half)])
+    half = 0.5 * np.sqrt((vectors * vectors).sum(axis=1))
+    found = np.empty((len(vectors), 4))
+    found[:, :3] = 0.5 * np.sinc(half / np.pi)[:, None] * vectors
+    found[:, 3] = np.cos(half)
+    return found
 
 
 def _turned(E):

@@ -26,6 +26,9 @@ from ..run.instance import Instance
 # of rounding near a singular one
 ZERO = 1e-6
 
+# arrays of the model that `freeze` changes
+FROZEN = ("drive_value", "part_force", "sea_wave", "wind_velocity")
+
 # how far (rad, or parts of the scene's length) the places near the start are
 NEARBY = (0.1, 0.23)
 
@@ -145,7 +148,8 @@ class Mechanism:
         self.scene = scene
         self.model = compile_scene(scene, first) if model is None else model
         self._ints = self.model.ints.copy()
-        self._held: np.ndarray | None = None
+        self.held = dict(inputs or {})
+        self._before: dict[str, np.ndarray] = {}
         self.instance = Instance(self.model, parameters, start_time, inputs)
         self.m, self.d = self.instance.m, self.instance.d
         m = self.m
@@ -184,23 +188,23 @@ class Mechanism:
         arms = [arm for arm in arms if arm > 0.0]
         return float(np.mean(arms)) if arms else 1.0
 
-    def again(self, parameters=None, inputs=None, start_time=0.0):
-        """The same scene at its start, with other values; its structure is not made anew."""
-        model = replace(self.model, ints=self._ints.copy())
-        return Mechanism(self.scene, (), parameters, inputs, start_time, model)
-
-    def freeze(self):
-        """Drives hold what they move where it is now, and nothing has speed."""
+    def freeze(self, weather=False):
+        """Drives hold what they move where it is now, and nothing has speed; no waves and no wind, unless
+        `weather` or an input that was given tells it.
+        """
         m, d = self.m, self.d
         rates.set_time(m, d, 0.0)
         drives.prescribe(m, d)
         d.v[:] = 0.0
 
         # they hold already
-        if self._held is not None:
+        if self._before:
             return
 
-        self._held = m.drive_value.copy()
+        self._before = {name: getattr(m, name).copy() for name in FROZEN} | {"u": d.u_buffer.copy()}
+
+        if not weather:
+            self._calm()
 
         for k in range(m.n_drive):
             i = m.drive_body[k]
@@ -214,17 +218,40 @@ class Mechanism:
                 m.drive_terms[k] = 1
                 m.drive_value[16 * k] = position
 
-    def thaw(self):
-        """Drives move again."""
-        if self._held is not None:
-            self.model.ints[:] = self._ints
-            self.m.drive_value[:] = self._held
-            self._held = None
+    def _calm(self):
+        """No waves, no wind."""
+        m, d = self.m, self.d
+        m.part_force[:] = 0.0
+        m.sea_wave[::5] = 0.0
+        m.wind_velocity[:] = 0.0
+        # forces over time that were found with waves
+        d.excitation_key[:] = 0.0
+
+        for u in m.wind_u[: m.n_wind].tolist():
+            told = [k for k in range(u, u + 3) if u >= 0 and k not in self.held]
+            d.u_buffer[told] = 0.0
 
     @property
-    def inputs(self):
-        """Values of the inputs by their position in u."""
-        return dict(enumerate(self.d.u_buffer[: self.model.n_u].tolist()))
+    def has_weather(self):
+        """Whether there are waves or wind in the scene."""
+        return bool(self.m.n_wind or self.m.n_excitation or self.m.n_sea_wave)
+
+    def thaw(self):
+        """Drives move again, and so do wind and waves."""
+        if self._before:
+            self.model.ints[:] = self._ints
+            self.d.u_buffer[:] = self._before.pop("u")
+            self.d.excitation_key[:] = 0.0
+
+            for name, values in self._before.items():
+                getattr(self.m, name)[:] = values
+
+            self._before = {}
+
+    def again(self, parameters=None, inputs=None, start_time=0.0):
+        """The same scene at its start, with other values; its structure is not made anew."""
+        model = replace(self.model, ints=self._ints.copy())
+        return Mechanism(self.scene, (), parameters, inputs, start_time, model)
 
     # places
 

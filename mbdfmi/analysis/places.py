@@ -66,7 +66,7 @@ def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=Non
         if at == EQUILIBRIUM:
             raise
 
-        return mechanism.again(parameters, mechanism.inputs), [
+        return mechanism.again(parameters, mechanism.held), [
             *notices,
             f"{error}; this is about the start",
         ]

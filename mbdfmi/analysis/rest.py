@@ -86,6 +86,7 @@ def equilibrium(
     parameters: Mapping[str, float] | None = None,
     time: float = 0.0,
     nearest: bool = False,
+    weather: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> Equilibrium:
     """The static equilibrium that a scene comes to from its start, with all speeds 0 and its drives held
@@ -93,16 +94,17 @@ def equilibrium(
 
     hold : values of inputs by name, else at their start values. parameters : values other than the scene's,
         by name.
-    time : s, of drives and of loads over time. nearest : the first that is found, also where it is not
-        stable.
+    time : s, of drives and of loads over time. weather : with the waves of that time and the steady wind,
+        which are left out otherwise, unless an input that is held tells the wind. nearest : the first that is
+        found, also where it is not stable.
 
     Dampers and friction, which take nothing at rest, do not matter. Raises NoEquilibrium, which says what
     moves away; SimulationError where loops do not close; KeyError, ValueError.
     """
     seen = observed(scene)
     mechanism = mechanism_of(seen, hold, parameters, time)
-    manifold, rest = settle(mechanism, nearest, progress)
-    return _told(scene, manifold, rest)
+    manifold, rest = settle(mechanism, nearest, progress, weather)
+    return _told(scene, manifold, rest, weather)
 
 
 def equilibria(
@@ -113,6 +115,7 @@ def equilibria(
     hold: Mapping[str, float] | None = None,
     parameters: Mapping[str, float] | None = None,
     time: float = 0.0,
+    weather: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> list[Equilibrium]:
     """The equilibria that are found from n drawn starts beside the scene's own, stable and not, as
@@ -128,10 +131,12 @@ def equilibria(
         if progress:
             progress(f"start {k + 1} of {n + 1}, {len(found)} found")
 
-        one = mechanism.again(parameters, mechanism.inputs, time)
+        one = mechanism.again(parameters, mechanism.held, time)
 
         try:
-            result = settle(one, True) if k == 0 else approach(one, draw, FAR, downhill=k % 2 == 1)
+            result = (
+                settle(one, True, None, weather) if k == 0 else approach(one, draw, FAR, k % 2 == 1, weather)
+            )
         except NoEquilibrium:
             continue
 
@@ -143,7 +148,7 @@ def equilibria(
 
     order = {True: 0, None: 1, False: 2}
     found.sort(key=lambda pair: order[pair[1].stable])
-    return [_told(scene, manifold, rest) for manifold, rest in found]
+    return [_told(scene, manifold, rest, weather) for manifold, rest in found]
 
 
 def _are_one(one, other):
@@ -213,7 +218,7 @@ def observed(scene) -> SceneData:
     return scene.model_copy(update={"joint": joints})
 
 
-def _told(scene, manifold, rest) -> Equilibrium:
+def _told(scene, manifold, rest, weather) -> Equilibrium:
     """What there is to tell of an equilibrium that was found."""
     mechanism = manifold.mechanism
     manifold.put()
@@ -249,6 +254,11 @@ def _told(scene, manifold, rest) -> Equilibrium:
     if rest.left:
         came = "an unstable equilibrium" if rest.left == 1 else f"{rest.left} unstable equilibria"
         notices.append(f"the search came through {came} (nearest, --nearest, stays at the first)")
+
+    if mechanism.has_weather and not weather:
+        notices.append(
+            "in still air and water: wind and waves are left out (weather, --weather, lets them act)"
+        )
 
     if any(joint.friction for joint in scene.joint.values() if hasattr(joint, "friction")):
         notices.append("dry friction holds nothing here: with it, a range of places would be at rest")

@@ -34,6 +34,11 @@ is lost, and what joints bear there. Where there is none, it tells what moves aw
         "--time", type=float, default=0.0, metavar="T", help="time of drives and loads, s (default: 0)"
     )
     command.add_argument(
+        "--weather",
+        action="store_true",
+        help="with the waves of that time and the steady wind, which are left out otherwise",
+    )
+    command.add_argument(
         "--nearest", action="store_true", help="take the first that is found, also where it is not stable"
     )
     command.add_argument(
@@ -66,7 +71,7 @@ def run(options):
         check_looks(options.scene, scene)
 
     hold, parameters = settings_of(scene.compile(), options.set)
-    asked = {"hold": hold, "parameters": parameters, "time": options.time}
+    asked = {"hold": hold, "parameters": parameters, "time": options.time, "weather": options.weather}
 
     with doing_here("looking for the equilibrium") as tell:
         if options.all:
