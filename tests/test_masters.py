@@ -124,6 +124,20 @@ def test_chosen_steps_keep_the_error(file):
     assert counts[0] < counts[1] < counts[2] < 500
 
 
+def test_chosen_steps_of_masters_that_do_not_repeat(file):
+    """They hold too, with more steps."""
+    blocks = two(file)
+    counts = []
+    for options in ({"method": "jacobi"}, {"method": "gauss-seidel", "order": 1}, {}):
+        results = blocks.system(error=3e-3, **options).simulate(1.0, 0.01)
+        A, _ = blocks.matrix()
+        x = np.array([expm(A * s) @ [*blocks.start, 0, 0, 1] for s in results["time"]])
+        found = np.column_stack([results[f"{name}.rail.position"] for name in blocks.names])
+        assert np.abs(found - x[:, :2]).max() < 3e-3
+        counts.append(len(results["time"]))
+    assert counts[0] > counts[1] > counts[2]
+
+
 def motor(k=0.3, U=12.0, J=2e-4, R=1.0, L=1e-3):
     """A direct-current motor: its winding, charge as a position, and its rotor."""
     winding = mbdfmi.Scene(
@@ -232,6 +246,16 @@ def test_rollback_is_put_to_the_test(file):
     system.master.method = "newton"
     with pytest.raises(CouplingError, match="b0 cannot go back"):
         system.simulate(0.5, 0.01)
+
+    system.master.method, system.master.error = "auto", 1e-3
+    with pytest.raises(CouplingError, match="error: .*b0 cannot go back"):
+        system.simulate(0.5, 0.01)
+
+
+def test_the_sequence_is_checked(file):
+    for sequence, message in ((["b0", "b0"], "'b0' is there twice"), (["b7"], "no FMU 'b7'")):
+        with pytest.raises(CouplingError, match=message):
+            two(file).system(sequence=sequence).check()
 
 
 def test_without_derivatives(file):

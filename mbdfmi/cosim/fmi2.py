@@ -75,18 +75,22 @@ class Slave2(Slave):
         self.call("ExitInitializationMode")
         self._time, self._length = ctypes.c_double(0.0), ctypes.c_double(0.0)
         self._do = partial(self.function("DoStep"), self.component, self._time, self._length, ctypes.c_int(0))
+        self.stepper = self._stepper()
 
         if self.can.rollback:
             self.prepare_states()
 
-    def stepper(self, time, H):
-        self.work += 1
-        self._time.value = time
-        self._length.value = H
-        status = self._do()
+    def _stepper(self):
+        at, length, do = self._time, self._length, self._do
 
-        if status > WARNING:
-            self._refused(status, time, H)
+        def step(time, H):
+            self.work += 1
+            at.value = time
+            length.value = H
+            if (status := do()) > WARNING:
+                self._refused(status, time, H)
+
+        return step
 
     def _refused(self, status, time, H):
         """Raises what follows of a step that was not done."""

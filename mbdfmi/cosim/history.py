@@ -1,4 +1,4 @@
-"""What a run has seen: outputs and inputs at all macro steps, in arrays that grow."""
+"""What a run has seen: outputs and inputs at all macro steps."""
 
 from __future__ import annotations
 
@@ -6,31 +6,40 @@ import numpy as np
 
 from .network import Network
 
-FIRST = 1024
-
 
 class History:
     """Rows of a run: time (n,), y (n, n_y) at communication points; end (n, n_u), inputs at the end of the step that leads
     to a row as they were given; now (n, n_u), what the links make of the outputs there.
+
+    y, u : the arrays that rows are copied from, the values read and the inputs at the end of a step. held : whether inputs stay
+    over a step what they were at its start, so that they need not be kept.
     """
 
-    def __init__(self, net: Network, rows: int = FIRST):
-        self.net, self.n = net, 0
+    def __init__(self, net: Network, y: np.ndarray, u: np.ndarray):
+        self.net, self.n, self.held = net, 0, False
         self._time: list[float] = []
-        self._y, self._end = np.empty((rows, net.n_y)), np.empty((0, net.n_u))
+        # bytes are what grows at the least cost
+        self._y, self._end = bytearray(), bytearray()
+        self._from = y.data.cast("B"), u.data.cast("B")
 
-    def add(self, time: float, y: np.ndarray, end: np.ndarray | None):
-        """A row; end : None where inputs were held since the row before."""
-        n = self.n
-        if n == len(self._y):
-            self._y = _larger(self._y, n)
-        self._y[n] = y
-        if end is not None:
-            if n >= len(self._end):
-                self._end = _larger(self._end, len(self._y) - len(self._end))
-            self._end[n] = end
+    def add(self, time: float):
+        """A row."""
+        self.n += 1
         self._time.append(time)
-        self.n = n + 1
+        self._y += self._from[0]
+        if not self.held:
+            self._end += self._from[1]
+
+    def cut(self, n: int):
+        """Forgets all rows from the n-th on."""
+        self.n = n
+        del self._time[n:]
+        del self._y[8 * n * self.net.n_y :]
+        del self._end[8 * n * self.net.n_u :]
+
+    def _rows(self, kept, width, first):
+        # a copy: bytes that are looked at cannot grow
+        return np.array(np.frombuffer(kept, dtype=float)[first * width :]).reshape(-1, width)
 
     @property
     def time(self) -> np.ndarray:
@@ -40,20 +49,20 @@ class History:
     @property
     def y(self) -> np.ndarray:
         """Values read."""
-        return self._y[: self.n]
+        return self._values(0)
+
+    def _values(self, first):
+        width = self.net.n_y
+        return self._rows(self._y, width, first) if width else np.zeros((self.n - first, 0))
 
     def now(self, first: int = 0) -> np.ndarray:
         """Inputs, of the outputs at each row from the first on."""
-        return (self.net.G @ self.y[first:].T).T + self.net.b
+        return (self.net.G @ self._values(first).T).T + self.net.b
 
     def end(self, first: int = 0) -> np.ndarray:
         """Inputs that the step before each row ended with; in the first row those of the start."""
-        if len(self._end):
-            return self._end[first : self.n]
+        width = self.net.n_u
+        if not self.held and width:
+            return self._rows(self._end, width, first)
         now = self.now(max(first - 1, 0))
         return now[:-1] if first else np.concatenate([now[:1], now[:-1]])
-
-
-def _larger(rows, more):
-    """The same rows with more behind them."""
-    return np.concatenate([rows, np.empty((max(more, 1), rows.shape[1]))])

@@ -46,7 +46,8 @@ class March:
         self._ports = rig.ports if self._needs_all() else [rig.by_name[n] for n in plan.rolling]
         rig.keeps_all = self._needs_all()
         # what is recorded besides is read when the step is accepted; stages that do not repeat it read it at once
-        self.holds = len(self.stages) == 1 and self.stages[0].holds
+        history.held = len(self.stages) == 1 and self.stages[0].holds
+        self._advance = self.stages[0].advance
         self._remembers = self.order > 0 or self.control is not None
         self._looks_back = bool(self._ports) or self._remembers
         # a parabola needs two points before: until they are there steps are repeated, where all FMUs can
@@ -80,10 +81,29 @@ class March:
         n = len(grid) - 1
         steps = [H] * (n - 1) + [grid[n] - grid[n - 1]]
 
+        step = (
+            self._plainly
+            if self.history.held and not (self._others or self.rig.transfers or self.after)
+            else self._to
+        )
+
         for k in range(n):
-            self._to(grid[k], grid[k + 1], steps[k])
+            step(grid[k], grid[k + 1], steps[k])
             if progress:
                 progress(grid[k + 1])
+
+    def _plainly(self, time, end, H):
+        """A step of FMUs that hold what they have: as `_to`, without what these do not need."""
+        rig = self.rig
+        rig.time = time
+        try:
+            self._advance(time, H, None)
+        except Ended as who:
+            raise self._end(who, time) from None
+        rig.renew()
+        self.history.add(end)
+        if self.history.n >= self.watch.next:
+            self.watch.look()
 
     def _to(self, time, end, H):
         """From a time to an end a step of H away, in parts where an FMU stops on the way."""
@@ -145,8 +165,8 @@ class March:
                 continue
 
             time = stop if length == left else time + length
-            np.maximum(scale, np.abs(self.rig.end), out=scale)
             self._accept(time, length)
+            np.maximum(scale, np.abs(self.rig.now), out=scale)
             H = length * min(2.0, max(0.3, factor))
             if progress:
                 progress(time)
@@ -235,10 +255,11 @@ class March:
             self._past = [(H, rig.old.copy()), *self._past[:1]]
             rig.prev[:] = rig.now
         rig.renew()
-        self.history.add(time, rig.y, None if self.holds else rig.end)
+        self.history.add(time)
         if self.after:
             self.after()
-        self.watch.look(time)
+        if self.history.n >= self.watch.next:
+            self.watch.look()
 
     def _end(self, who, time) -> CouplingError:
         slave = self.rig.by_name[str(who)].slave

@@ -46,7 +46,16 @@ def plan(net: Network, master: Master, without: frozenset[str] = frozenset()) ->
     if unknown:
         raise CouplingError(f"[master] sequence: no FMU {unknown[0]!r}; there are {', '.join(net.names)}")
 
+    if twice := [name for k, name in enumerate(master.sequence) if name in master.sequence[:k]]:
+        raise CouplingError(f"[master] sequence: {twice[0]!r} is there twice")
+
     rolls = {name for name, m in net.members.items() if m.can.rollback and name not in without}
+    if master.error is not None and (cannot := [name for name in net.names if name not in rolls]):
+        raise CouplingError(
+            f"[master] error: macro steps are chosen by doing some again, and {', '.join(cannot)} cannot go back to a saved "
+            "state, or must not; leave it out"
+        )
+
     circles = sequence(net, master.sequence)
     edges = links_of_fmus(net)
     loops = [len(group) > 1 or (group[0], group[0]) in edges for group in circles]

@@ -83,7 +83,6 @@ class Port:
             self._set_derivatives = [slave.derivative_feed(fed.signals, order, address) for order in (1, 2)]
 
         self.others = _Others(self) if net.others[name].n else None
-        self.step = slave.stepper
 
     def feed(self, H: float, square: np.ndarray | None = None) -> int:
         """Sets the inputs over a step of H (s): from `now` to `end`, with `square` times time squared; returns the status."""
@@ -275,6 +274,7 @@ class Rig:
         """From initialisation mode to steps. Raises CouplingError."""
         for port in self.ports:
             port.slave.begin()
+            port.step = port.slave.stepper
         self.fetch()
         self.exchange()
         self._shifted = bool(np.any(self.net.b))
@@ -302,12 +302,13 @@ class Rig:
 
     def renew(self):
         """Inputs at the start of the next step, of the outputs that are known."""
-        if self.net.is_dense:
-            np.dot(self.net.G, self.y, out=self.now)
+        net = self.net
+        if net.is_dense:
+            net.G.dot(self.y, out=self.now)
         else:
-            self.now[:] = self.net.G @ self.y
+            self.now[:] = net.G @ self.y
         if self._shifted:
-            self.now += self.net.b
+            self.now += net.b
 
     def fetch(self):
         """Reads all outputs. Raises CouplingError."""

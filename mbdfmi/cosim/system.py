@@ -30,9 +30,6 @@ from .schema import SystemData
 from .start import initialise
 from .watch import BondReport, Watch, bonds, jumps, reports, rough
 
-MOST_ROWS = 100_000
-"""Rows of a run that are held from the start."""
-
 
 class Coupled(Run):
     """Results of a coupled run: columns by "fmu.variable".
@@ -195,8 +192,8 @@ class _Simulation:
         system, net = self.system, self.net
         times, steps = communication_points(start, until, step)
         self.rig = rig = Rig(net, {name: through(net, name) for name in net.names})
-        self.history = History(net, min(len(times), MOST_ROWS))
-        watch = Watch(rig, self.history, system.master.limit)
+        self.history = History(net, rig.y, rig.end)
+        watch = Watch(self.history, system.master.limit)
         self.recorder = Recorder(self.members[view].model) if view else None
         well, begun = False, False
 
@@ -205,17 +202,21 @@ class _Simulation:
             initialise(rig)
             rig.begin()
             march = self._march(watch, steps[0])
-            self.history.add(start, rig.y, None if march.holds else rig.now)
+            rig.end[:] = rig.now
+            self.history.add(start)
             self._look(rig, view, march)
             begun = True
             if system.master.error is None:
                 march.fixed(times, float(steps[0]), progress)
             else:
                 march.chosen(start, until, float(step), progress)
+            watch.look()
             well = True
         except CouplingError as error:
+            # an FMU may fail of what the coupling made of its inputs
+            error = _diverged(watch) or error
             error.results = self._results(None) if begun and self.history.n else None
-            raise
+            raise error from None
         finally:
             rig.close(well)
 
@@ -272,6 +273,15 @@ class _Simulation:
         results.bonds, results.jumps = found, jumps(net, history)
         results.work, results.plan = self.rig.work, self.plan
         return results
+
+
+def _diverged(watch):
+    """The CouplingError of a run that diverges, or None."""
+    try:
+        watch.look()
+    except CouplingError as error:
+        return error
+    return None
 
 
 def couple(

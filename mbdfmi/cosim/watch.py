@@ -10,7 +10,6 @@ from .errors import CouplingError
 from .history import History
 from .members import Member
 from .network import Feed, Network, find
-from .rig import Rig
 from .schema import Bond
 
 CHUNK = 16
@@ -44,35 +43,39 @@ MUCH = 0.01
 class Watch:
     """Stops a run that diverges. Raises CouplingError with time and link."""
 
-    def __init__(self, rig: Rig, history: History, limit: float):
-        self.rig, self.history, self.limit = rig, history, limit
-        self._square = limit * limit
+    def __init__(self, history: History, limit: float):
+        self.net, self.history, self.limit = history.net, history, limit
         self._peak: np.ndarray | None = None
         self._begin = np.zeros(0)
-        self._next = CHUNK
+        self._seen = 0
+        self.next = CHUNK
 
-    def look(self, time: float):
-        """After a macro step."""
-        now = self.rig.now
-        if not now @ now < self._square:
-            self._out_of_bounds(time)
-        if self.history.n > self._next:
-            self._next += CHUNK
-            self._growth(time)
+    def look(self):
+        """At what came since the last look; to be called once history has `next` rows, and at the end."""
+        history, first = self.history, self._seen
+        self._seen, self.next = history.n, history.n + CHUNK
+        if history.n > first and self.net.n_u:
+            now = history.now(first)
+            self._bounds(now, first)
+            self._growth(now, first)
 
-    def _out_of_bounds(self, time):
-        now = self.rig.now
-        wrong = ~(np.abs(now) < self.limit)
-        if not np.any(wrong):
+    def _bounds(self, now, first):
+        fine = np.abs(now) < self.limit
+        if fine.all():
             return
-        row = int(np.argmax(wrong))
-        feed = self.rig.net.feeds[row]
-        what = f"is {now[row]:.3g}" if np.isfinite(now[row]) else "is no number"
-        raise CouplingError(f"the run diverges: {feed.text if feed else row} {what} at {time:.9g} s{ADVICE}")
+        k = int(np.argmin(fine.all(axis=1)))
+        row = int(np.argmin(fine[k]))
+        time = self.history.time[first + k]
+        # what is beyond is no result
+        self.history.cut(first + k)
+        what = f"is {now[k, row]:.3g}" if np.isfinite(now[k, row]) else "is no number"
+        raise CouplingError(f"the run diverges: {self._link(row)} {what} at {time:.9g} s{ADVICE}")
 
-    def _growth(self, time):
-        first_row = self.history.n - CHUNK
-        now = self.history.now(first_row)
+    def _link(self, row):
+        feed = self.net.feeds[row]
+        return feed.text if feed else f"input {row}"
+
+    def _growth(self, now, first):
         peak = np.abs(now).max(axis=0)
         if self._peak is None:
             self._peak = self._begin = peak
@@ -85,14 +88,13 @@ class Watch:
         if not grows.any():
             return
 
-        jumps = np.median(np.abs(now - self.history.end(first_row)), axis=0)
+        jumps = np.median(np.abs(now - self.history.end(first)), axis=0)
         grows &= jumps > JUMP * peak
         if grows.any():
             row = int(np.argmax(grows))
-            feed = self.rig.net.feeds[row]
             raise CouplingError(
-                f"the run diverges: {feed.text if feed else row} grows from {self._begin[row]:.3g} to {peak[row]:.3g} from "
-                f"step to step, up to {time:.9g} s{ADVICE}"
+                f"the run diverges: {self._link(row)} grows from {self._begin[row]:.3g} to {peak[row]:.3g} while it jumps from "
+                f"step to step, up to {self.history.time[-1]:.9g} s{ADVICE}"
             )
 
 
