@@ -26,6 +26,7 @@ RUNS = {
     "rattleback": (6.0, 0.0),
     "slider_crank": (0.8, 0.05),
     "spinning_top": (3.0, 0.25),
+    "turbine_at_sea": (60.0, 20.0),
     "turning_track": (1.2, 0.3),
     "turntable": (1.2, 0.4),
 }

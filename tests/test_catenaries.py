@@ -215,3 +215,51 @@ def test_a_line_has_a_bed_where_its_anchor_is_on_one():
     for sea, anchor, bed in (({}, 0, 1), ({"depth": 100}, -100, 1), ({"depth": 100}, -50, 0)):
         scene = moored([100, 0, 10], anchor=[0, 0, anchor], sea=sea)
         assert Instance(compile_scene(scene)).m.line_bed[0] == bed
+
+
+def hywind(surge=0.0, pitch=0.0, yaw=0.0):
+    """(6,) of the lines of the OC3-Hywind spar at a displacement (m, rad), about its origin on the waterline."""
+    turns = np.radians([0, 120, 240])
+    way = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
+    places = {"anchor": way * 853.87 + [0, 0, -320], "fairlead": way * 5.2 + [0, 0, -70]}
+    markers = {
+        kind: {f"{kind}_{k}": {"position": list(r)} for k, r in enumerate(rows)}
+        for kind, rows in places.items()
+    }
+    line = {"length": 902.2, "mass": 77.7066, "diameter": 0.09, "stiffness": 384.243e6}
+    start = {"position": [surge, 0, 0], "zyx_rad": [yaw, pitch, 0]}
+    scene = Scene.model_validate(
+        {
+            "name": "hywind",
+            "gravity": [0, 0, -G],
+            "ground": {"marker": markers["anchor"]},
+            "body": {"spar": {"mass": 1e6, "inertia": [1e9] * 3, "marker": markers["fairlead"]}},
+            "joint": {"sea": {"free": {}, "between": ["ground", "spar"], "start": start}},
+            "force": {
+                f"line {k}": {
+                    "catenary": line,
+                    "between": [f"ground.anchor_{k}", f"spar.fairlead_{k}"],
+                    "output": ["force"],
+                }
+                for k in range(3)
+            },
+        }
+    )
+    instance = Instance(compile_scene(scene))
+    forces = np.array(instance.outputs()).reshape(3, 3)
+    c, s = np.cos([yaw, pitch]), np.sin([yaw, pitch])
+    A = np.array([[c[0], -s[0], 0], [s[0], c[0], 0], [0, 0, 1]]) @ [
+        [c[1], 0, s[1]],
+        [0, 1, 0],
+        [-s[1], 0, c[1]],
+    ]
+    arms = places["fairlead"] @ A.T
+    return np.concatenate([forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)])
+
+
+def test_the_published_moorings_of_a_spar():
+    """OC3-Hywind (Jonkman 2010): F_z -1,607,000 N, C11 41,180 N/m, C55 311.1e6, C66 11.56e6 N m/rad (without the extra yaw spring)."""
+    h = 1e-3
+    slope = lambda k, **by: -(hywind(**by)[k] - hywind(**{key: -x for key, x in by.items()})[k]) / (2 * h)
+    found = [hywind()[2], slope(0, surge=h), slope(4, pitch=h), slope(5, yaw=h)]
+    assert_near(np.array(found) / [-1_607_000, 41_180, 311.1e6, 11.56e6], 1.0, 0.005)

@@ -1,4 +1,4 @@
-"""Databases in HDF5: capytaine's NetCDF, BEMIO's (WEC-Sim)."""
+"""Databases in NetCDF, as capytaine writes them, and HDF5, as BEMIO (WEC-Sim)."""
 
 import re
 from pathlib import Path
@@ -10,6 +10,12 @@ from .database import DOFS, Coefficients
 
 def read_hdf(path, density, gravity) -> Coefficients:
     """Coefficients of a dataset of capytaine or a file of BEMIO. Raises ValueError that names the file."""
+    with open(path, "rb") as file:
+        classic = file.read(3) == b"CDF"
+
+    if classic:
+        return _capytaine(path, _classic(path))
+
     try:
         import h5py
     except ImportError:
@@ -18,20 +24,55 @@ def read_hdf(path, density, gravity) -> Coefficients:
     try:
         with h5py.File(path) as file:
             if "added_mass" in file and "radiation_damping" in file:
-                return _capytaine(path, file)
+                return _capytaine(path, {name: _variable(file[name]) for name in file})
             if any(re.fullmatch(r"body\d+", name) for name in file):
                 return _bemio(path, file, density, gravity)
+            found = ", ".join(file)
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror or 'is no HDF5 file'}") from None
     except KeyError as error:
         raise ValueError(f"{path}: {error.args[0]}") from None
 
-    raise ValueError(
-        f"{path}: is neither a dataset of capytaine nor a file of BEMIO; holds {', '.join(file)}"
-    )
+    raise ValueError(f"{path}: is neither a dataset of capytaine nor a file of BEMIO; holds {found}")
+
+
+def _classic(path):
+    """{name: (names of its axes, values)} of NetCDF 3; texts are bytes there, one axis more."""
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, mmap=False) as file:
+        found = {name: (list(v.dimensions), np.array(v.data)) for name, v in file.variables.items()}
+
+    return {
+        name: (axes[:-1], np.array([b"".join(row).rstrip(b"\0 ") for row in values]))
+        if values.dtype.kind == "S" and len(axes) == 2
+        else (axes, values)
+        for name, (axes, values) in found.items()
+    }
+
+
+def _variable(dataset):
+    """(names of its axes, values) of a variable of NetCDF 4."""
+    axes = [Path(scale[0].name).name if len(scale) else "" for scale in dataset.dims]
+    return axes, np.array(dataset)
 
 
 # capytaine
+
+
+def coefficients_of(dataset) -> Coefficients:
+    """Of a dataset of capytaine in memory (xarray)."""
+    found = {}
+
+    for name in (*dataset.coords, *dataset.data_vars):
+        axes, values = list(dataset[name].dims), dataset[name].values
+
+        if np.iscomplexobj(values):
+            axes, values = ["complex", *axes], np.array([values.real, values.imag])
+
+        found[name] = (axes, values)
+
+    return _capytaine("dataset", found)
 
 
 def _dof(path, name):
@@ -45,24 +86,18 @@ def _dof(path, name):
     return DOFS.index(word)
 
 
-def _axes(path, variable):
-    """Names of a variable's dimensions."""
-    return [Path(scale[0].name).name if len(scale) else "" for scale in variable.dims]
-
-
 def _capytaine(path, file):
     """Time is exp(-i omega t) there: forces are the conjugate of ours. omega = 0 and inf may be there."""
-    omega = np.array(file["omega"], float)
-    radiating = [_dof(path, name) for name in np.array(file["radiating_dof"])]
-    influenced = [_dof(path, name) for name in np.array(file["influenced_dof"])]
+    omega = np.array(file["omega"][1], float)
+    radiating = [_dof(path, name) for name in file["radiating_dof"][1]]
+    influenced = [_dof(path, name) for name in file["influenced_dof"][1]]
 
     if len(set(radiating)) != len(radiating):
         raise ValueError(f"{path}: holds several bodies; one is read")
 
     def matrices(name):
-        order = _axes(path, file[name])
+        order, values = file[name]
         wanted = [order.index(axis) for axis in ("omega", "influenced_dof", "radiating_dof")]
-        values = np.array(file[name], float)
 
         # other axes have one value, as water depth
         others = [k for k in range(values.ndim) if k not in wanted]
@@ -90,13 +125,12 @@ def _capytaine_forces(path, file, omega, influenced):
     if not all(name in file for name in names):
         return None, None, None
 
-    headings = np.array(file["wave_direction"], float)
+    headings = np.array(file["wave_direction"][1], float)
     total = np.zeros((len(omega), len(headings), 6), complex)
 
     for name in names:
-        order = _axes(path, file[name])
+        order, values = file[name]
         wanted = [order.index(axis) for axis in ("complex", "omega", "wave_direction", "influenced_dof")]
-        values = np.array(file[name], float)
         others = [k for k in range(values.ndim) if k not in wanted]
         values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
         total[:, :, influenced] += values[0] - 1j * values[1]

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.linalg import logm, null_space
 from scipy.optimize import nnls
 
-from .database import Coefficients
+from .database import DOFS, Coefficients
 
 # of the peaks of two motions: coupling that counts
 COUPLED = 2e-3
@@ -165,12 +165,20 @@ def _fit_group(kernel, group, scale, band, error, states):
 
     for n in [states] if states else range(2 * len(group), MOST_STATES + 1, 2):
         A, B = realisation.poles(n)
+
+        if not len(A):
+            continue
+
         C, missed = _sinks(A, B, omega, H, kernel.top)
 
         if best is None or missed < best[1]:
             best = (A, B, C), missed
         if missed < error and not states:
             break
+
+    if best is None:
+        motions = ", ".join(DOFS[k] for k in group)
+        raise ValueError(f"no memory that dies out can be fitted to the damping in {motions}; has it spikes?")
 
     (A, B, C), missed = best
     return (A, B * scale, C * scale[:, None]), missed
@@ -213,7 +221,7 @@ class _Kung:
             A[at : at + len(block), at : at + len(block)] = block
             at += len(block)
 
-        return A, np.vstack(rows)
+        return A, np.vstack(rows) if rows else np.zeros((0, self.m))
 
 
 def _sinks(A, B, omega, H, top):

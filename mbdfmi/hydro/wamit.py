@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import replacing
 from .database import Coefficients
 
 
@@ -100,3 +101,44 @@ def _excitation(path, density, gravity, scale):
         degrees, excitation = degrees[:-1], excitation[:, :-1]
 
     return omega, np.radians(degrees), excitation
+
+
+def write_wamit(path, coefficients, density, gravity):
+    """NAME.1, and NAME.3 beside it where there is excitation, with 8 digits; lengths by 1 m."""
+    path = Path(path)
+    lines = []
+
+    if coefficients.infinite is not None:
+        lines += [
+            f"{0.0:15.8E} {i + 1} {j + 1} {coefficients.infinite[i, j] / density:15.8E}"
+            for i, j in np.ndindex(6, 6)
+        ]
+
+    for omega, A, B in zip(coefficients.omega, coefficients.added / density, coefficients.damping / density):
+        lines += [
+            f"{2 * np.pi / omega:15.8E} {i + 1} {j + 1} {A[i, j]:15.8E} {B[i, j] / omega:15.8E}"
+            for i, j in np.ndindex(6, 6)
+            if A[i, j] or B[i, j]
+        ]
+
+    _write(path, lines)
+
+    if coefficients.excitation is None:
+        return
+
+    lines = []
+
+    for omega, of_heading in zip(coefficients.wave_omega, coefficients.excitation / (density * gravity)):
+        for heading, force in zip(np.degrees(coefficients.headings), of_heading):
+            lines += [
+                f"{2 * np.pi / omega:15.8E} {heading:10.4f} {i + 1} {abs(x):15.8E} "
+                f"{np.degrees(np.angle(x)):10.4f} {x.real:15.8E} {x.imag:15.8E}"
+                for i, x in enumerate(force)
+            ]
+
+    _write(path.with_suffix(".3"), lines)
+
+
+def _write(path, lines):
+    with replacing(path) as temporary:
+        Path(temporary).write_text("\n".join(lines) + "\n", encoding="utf-8")

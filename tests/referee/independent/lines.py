@@ -44,13 +44,13 @@ class Line:
         # more than either end ever pulls
         most = 10 * (w * L + EA * (1 + (x + abs(z)) / L))
         least = 0.0 if self.bed else -most
-        lift = lambda H: brentq(lambda V: self.reach(w, H, V)[1] - z, least, most, xtol=1e-13, rtol=8e-16)
+        lift = lambda H: brentq(lambda V: self.reach(w, H, V)[1] - z, least, most, xtol=1e-13, rtol=1e-15)
         span = lambda H: self.reach(w, H, lift(H))[0] - x
 
         if span(0.0) >= 0.0 if self.bed else span(1e-9 * w * L) >= 0.0:
             return 0.0, lift(0.0 if self.bed else 1e-9 * w * L)
 
-        H = brentq(span, 0.0 if self.bed else 1e-9 * w * L, most, xtol=1e-13, rtol=8e-16)
+        H = brentq(span, 0.0 if self.bed else 1e-9 * w * L, most, xtol=1e-13, rtol=1e-15)
         return H, lift(H)
 
     def forces(self, first, second, g):
