@@ -376,6 +376,7 @@ bool instance_exchange(Instance *c)
 
 void instance_free(Instance *c)
 {
+    if (c->log.is_sending) return;
     columns_free(c);
     free(c->course);
     aside_free(c);
@@ -410,7 +411,8 @@ static const char *mode_name(int64_t mode)
 
 bool instance_enter(Instance *c, const char *function, int modes)
 {
-    if (!c) return false;
+    if (!c || c->log.is_sending)
+        return false; /* a logger that calls back, in the middle of a call */
     c->function = function;
     if (c->core->mode & modes) return true;
     log_tell(&c->log, STATUS_ERROR, "%s is not allowed in the state '%s'", function,

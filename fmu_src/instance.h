@@ -79,9 +79,11 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
 /* The instance for model exchange; false, with the reason in the log, when the model is not. */
 bool instance_exchange(Instance *c);
 
+/* Does nothing from within the master's logger. */
 void instance_free(Instance *c);
 
-/* Begins a call of a function that is allowed in some modes, or-ed; false when it is not. */
+/* Begins a call of a function that is allowed in some modes, or-ed; false when it is not, or the call comes from
+   within the master's logger. */
 bool instance_enter(Instance *c, const char *function, int modes);
 
 /* Tells the log that the function is refused, and why. */

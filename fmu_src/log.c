@@ -15,12 +15,13 @@ static int category_of(Status status)
     }
 }
 
-Status log_tell(const Log *log, Status status, const char *format, ...)
+Status log_tell(Log *log, Status status, const char *format, ...)
 {
     int category = category_of(status);
     bool always = status == STATUS_WARNING || status == STATUS_ERROR || status == STATUS_FATAL;
 
-    if (!log->send || !(always || log->logged[LOG_ALL] || log->logged[category])) return status;
+    if (!log->send || log->is_sending || !(always || log->logged[LOG_ALL] || log->logged[category]))
+        return status;
 
     char text[LONGEST_MESSAGE];
     va_list args;
@@ -28,7 +29,9 @@ Status log_tell(const Log *log, Status status, const char *format, ...)
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    log->is_sending = true;
     log->send(log, status, CATEGORY_NAMES[category], text);
+    log->is_sending = false;
     return status;
 }
 

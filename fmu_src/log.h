@@ -19,11 +19,12 @@ typedef struct Log {
     void *environment;    /* what the master wants to hear with it */
     char *name;           /* of the instance */
     bool logged[N_CATEGORY];
+    bool is_sending; /* a message is with the master, whose logger may call back */
 } Log;
 
 /* Sends a text and returns `status`, so that a refusal is one line. Warnings and errors are always
    sent, the rest when its category is switched on. */
-Status log_tell(const Log *log, Status status, const char *format, ...);
+Status log_tell(Log *log, Status status, const char *format, ...);
 
 /* Switches categories on or off, all when n is 0; NULL, or the first of the names that is none: then
    nothing has changed. */

@@ -19,10 +19,12 @@ DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
 
 
 class Unpacked:
-    """An unpacked FMU and its shared library. platform : folder of the latter."""
+    """An unpacked FMU and its shared library. fmu : None where it is unpacked already. platform : folder of the library."""
 
-    def __init__(self, fmu: Path, folder: Path, platform: str):
-        fmpy.extract(str(fmu), str(folder))
+    def __init__(self, fmu: Path | None, folder: Path, platform: str):
+        if fmu:
+            fmpy.extract(str(fmu), str(folder))
+
         self.folder = Path(folder)
         self.description = fmpy.read_model_description(str(folder))
         self.variables = {v.name: v for v in self.description.modelVariables}
@@ -88,7 +90,7 @@ class Component:
 class Library(Unpacked):
     """Of FMI 2.0."""
 
-    def __init__(self, fmu: Path, folder: Path):
+    def __init__(self, fmu: Path | None, folder: Path):
         super().__init__(fmu, folder, fmpy.platform)
         self.dll.fmi2Instantiate.restype = c_void_p
 
@@ -131,6 +133,10 @@ class Instance(Component):
 
     def _logger(self, environment, name, status, category, message):
         self.log.append((status, category.decode(), message.decode()))
+        self.after_message()
+
+    def after_message(self):
+        """After each message."""
 
     # life
 

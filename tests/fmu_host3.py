@@ -8,13 +8,15 @@ from pathlib import Path
 import fmpy
 from fmu_host import OK, Component, Unpacked
 
+_ASKED = ctypes.POINTER(c_bool), ctypes.POINTER(c_double)
+UPDATE = ctypes.CFUNCTYPE(None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, *_ASKED)
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 
 
 class Library(Unpacked):
     """Of FMI 3.0."""
 
-    def __init__(self, fmu: Path, folder: Path):
+    def __init__(self, fmu: Path | None, folder: Path):
         super().__init__(fmu, folder, fmpy.platform_tuple)
         self.instantiate = {
             kind: getattr(self.dll, f"fmi3Instantiate{kind}")
@@ -49,7 +51,7 @@ class Instance(Component):
         update=None,
     ):
         super().__init__(library)
-        self.logger = LOGGER(lambda _, *told: self.log.append((told[0], told[1].decode(), told[2].decode())))
+        self.logger = LOGGER(self._logger)
         token = library.description.guid.encode() if token is None else token
         path = f"{library.folder / 'resources'}/".encode() if path is None else path
         first = (
@@ -65,6 +67,13 @@ class Instance(Component):
         ]
         more = own if kind == "CoSimulation" else ()
         self.component = library.instantiate[kind](*first, *more, None, self.logger, *last)
+
+    def _logger(self, _, status, category, message):
+        self.log.append((status, category.decode(), message.decode()))
+        self.after_message()
+
+    def after_message(self):
+        """After each message."""
 
     # life
 

@@ -11,7 +11,7 @@ import fmu_host3
 import numpy as np
 import pytest
 from fmu_host import DISCARD, ERROR, OK
-from fmu_host3 import Instance
+from fmu_host3 import UPDATE, Instance
 from lxml import etree
 
 from mbdfmi.compiler.model import compile_scene
@@ -315,10 +315,6 @@ def test_snapshots(arm):
 
 
 # points within a step
-
-UPDATE = ctypes.CFUNCTYPE(
-    None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, ctypes.POINTER(c_bool), ctypes.POINTER(c_double)
-)
 
 
 class Watched(Instance):
