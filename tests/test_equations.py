@@ -29,6 +29,11 @@ def instance_of(name):
 def module(text, path):
     """A text as a module."""
     path.write_text(text, encoding="utf-8")
+    return imported(path)
+
+
+def imported(path):
+    """The module of a file."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     found = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(found)
@@ -160,3 +165,15 @@ def test_the_command_writes_them(tmp_path, capsys):
     assert "def rates(" in text and "def outputs(" not in text and "PARAMETERS = ()" in text
     assert main(["equations", scene, "--sympy", "--derivatives"]) == 1
     assert "sympy differentiates by itself" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_a_swing_up_planned_on_equations_is_what_the_FMU_does(check):
+    pytest.importorskip("casadi")
+    folder = MODELS / "cart_pole"
+    plan = imported(folder / "swing_up.py")
+    scene = mbdfmi.load(folder / "cart_pole.toml")
+    times, states, forces = plan.swing_up(scene)
+    seen = plan.replay(scene, times, forces)
+    check(np.abs(seen - states[:, :2]).max(), 1e-7)
+    check(abs(seen[-1, 1] - np.pi), 1e-7)

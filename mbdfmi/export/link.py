@@ -112,12 +112,18 @@ def _hash(files: list[Path], *texts: str) -> str:
 
 
 def link(
-    platform: Platform, compiled: list[Path], library: Path, table_text: str | None = None, flags: tuple = ()
+    platform: Platform,
+    compiled: list[Path],
+    library: Path,
+    table_text: str | None = None,
+    flags: tuple = (),
+    wrapper_flags: tuple = (),
 ) -> None:
     """Links a platform's library from the wrapper and the kernels (`compiled`: LLVM IR, or C), which are
     made side by side.
 
-    table_text : of the table of kernels, by default of all that stand apart. flags : more of the compiler's.
+    table_text : of the table of kernels, by default of all that stand apart. flags, wrapper_flags : more of
+    the compiler's, for what is compiled, and for the wrapper.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -132,7 +138,11 @@ def link(
         output = folder / f"fmu{platform.suffix}"
         sources = [*sorted(wrapper_folder().glob("*.c")), table, *objects]
         includes = [f"-I{folder}", f"-I{_headers()}"]
-        _zig(platform, folder, [("-shared", *platform.flags, *includes, *sources, "-lm", "-o", output)])
+        _zig(
+            platform,
+            folder,
+            [("-shared", *platform.flags, *wrapper_flags, *includes, *sources, "-lm", "-o", output)],
+        )
         library.write_bytes(output.read_bytes())
 
 

@@ -149,6 +149,9 @@ def _values_of_arrays(ints):
 
 
 _LOAD = re.compile(r"^  (%\S+) = load i64, ptr (%[^\s,]+),", re.MULTILINE)
+_SWITCH = re.compile(r"switch i64 (%[\w.]+), label \S+ \[([^\]]*)\]")
+_CASE = re.compile(r"^ +i64 (-?\d+), label %(\S+)\n", re.MULTILINE)
+_BLOCK = re.compile(r"^(?=\S+:(?: |$))", re.MULTILINE)
 _USE = re.compile(r"%[\w.]++(?! =)")
 _COMPARED = re.compile(r"icmp (eq|ne) i64 (%[\w.]+), (-?\d+)")
 
@@ -168,7 +171,46 @@ def _with_values(function, values):
         return f"icmp {found[1]} i64 0, 1" if never else found[0]
 
     function = _COMPARED.sub(compared, function)
+    function = _without_cases(function, there)
     return _USE.sub(lambda found: single.get(found[0], found[0]), function)
+
+
+def _without_cases(function, there):
+    """A function whose switches have no cases of numbers that are not there.
+
+    A block counts where its numbers come from, so each edge that goes comes from a block of its own that
+    nothing leads to.
+    """
+    head, *blocks = _BLOCK.split(function)
+    labels = [block.partition(":")[0] for block in blocks]
+    at = {label: k for k, label in enumerate(labels)}
+    dead = []
+
+    for k, label in enumerate(labels):
+        switch = _SWITCH.search(blocks[k])
+
+        if switch is None or switch[1] not in there:
+            continue
+
+        for value, target in _CASE.findall(switch[2]):
+            if int(value) not in there[switch[1]]:
+                blocks[k] = blocks[k].replace(f"    i64 {value}, label %{target}\n", "", 1)
+                name = f"dead.{len(dead)}"
+                dead.append(f"\n{name}:\n  br label %{target}\n")
+                blocks[at[target]] = _from_another(blocks[at[target]], label, name)
+
+    body, end, rest = "".join(blocks).rpartition("\n}")
+    return head + body + "".join(dead) + end + rest if dead else function
+
+
+def _from_another(block, before, name):
+    """A block one of whose edges from block `before` comes from block `name` instead."""
+    return re.sub(
+        r"^(  %\S+ = phi .*)$",
+        lambda found: found[0].replace(f", %{before} ]", f", %{name} ]", 1),
+        block,
+        flags=re.MULTILINE,
+    )
 
 
 @cache

@@ -35,6 +35,9 @@ MOST_FAILING = 0.25
 FLAGS = ("-fno-math-errno",)
 """Of the compiler: square roots without a look at `errno`."""
 
+WRAPPER_FLAGS = ("-Os",)
+"""Of the compiler, for the wrapper, whose time does not count."""
+
 
 class SpecialiseError(ValueError):
     """A scene's own library cannot be made; the text says why."""
@@ -113,7 +116,7 @@ def scene_library(
                 sources.append(Path(name) / "traced.c")
                 sources[1].write_text(text)
 
-            link.link(PLATFORMS[platform], sources, file, table, FLAGS)
+            link.link(PLATFORMS[platform], sources, file, table, FLAGS, WRAPPER_FLAGS)
 
     return path
 

@@ -36,7 +36,14 @@ def number(value) -> str:
 
 
 C99 = Language(
-    calls={"abs": "fabs", "min": "minimum", "max": "maximum", "real": "(double)", "not": "!"},
+    calls={
+        "abs": "fabs",
+        "min": "minimum",
+        "max": "maximum",
+        "real": "(double)",
+        "whole": "(int64_t)",
+        "not": "!",
+    },
     number=number,
     select="({0} ? {1} : {2})",
     statement="const {kind} {name} = {value};",

@@ -11,7 +11,21 @@ import numpy as np
 from .graph import REAL, Graph, Untraceable
 from .symbols import MATH, node_of, symbol_of
 
-CONSTANT = ("constant", "leaf", "floor", "interval", "load", "real", "isfinite", "not", "<", "<=", "==", "!=")
+CONSTANT = (
+    "constant",
+    "leaf",
+    "floor",
+    "interval",
+    "load",
+    "real",
+    "whole",
+    "isfinite",
+    "not",
+    "<",
+    "<=",
+    "==",
+    "!=",
+)
 """Operations whose results do not change with their operands, but in jumps."""
 
 
@@ -44,6 +58,8 @@ PARTIALS: dict[str, Callable] = {
     "exp": lambda y, a: (y,),
     "log": lambda y, a: (1.0 / a,),
     "tanh": lambda y, a: (1.0 - y * y,),
+    "asinh": lambda y, a: (1.0 / MATH.sqrt(1.0 + a * a),),
+    "pow": lambda y, a, b: (y * b / a, y * MATH.log(a)),
     "eccentric_anomaly": _anomaly,
 }
 """Partial derivatives of an operation's result y by its operands; what selects an operand is not among

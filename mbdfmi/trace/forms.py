@@ -152,12 +152,14 @@ _NUMPY = Language(
         "max": "np.maximum",
         "atan2": "np.arctan2",
         "asin": "np.arcsin",
+        "asinh": "np.arcsinh",
+        "pow": "np.power",
     }
     | {
         name: f"np.{name}"
         for name in ("sqrt", "sin", "cos", "exp", "log", "tanh", "floor", "copysign", "isfinite")
     }
-    | {"real": "", "not": "np.logical_not"},
+    | {"real": "np.float64", "whole": "_whole", "not": "np.logical_not"},
     number=_python_number,
     select="np.where({0}, {1}, {2})",
     statement="{name} = {value}",
@@ -182,7 +184,11 @@ _ECCENTRIC_ANOMALY = '''def eccentric_anomaly(M, e):
 
     return E'''
 
-_NUMPY_HELPERS = {"interval": _LEFT_KNOT, "eccentric_anomaly": _ECCENTRIC_ANOMALY}
+_WHOLE = '''def _whole(x):
+    """x made a whole number, towards zero."""
+    return np.trunc(x).astype(int)'''
+
+_NUMPY_HELPERS = {"_whole": _WHOLE, "interval": _LEFT_KNOT, "eccentric_anomaly": _ECCENTRIC_ANOMALY}
 
 
 def numpy_text(of) -> str:
@@ -211,9 +217,10 @@ def numpy_text(of) -> str:
 # expressions
 
 _SYMPY = Language(
-    calls={"abs": "sp.Abs", "min": "sp.Min", "max": "sp.Max", "copysign": "", "real": ""}
+    calls={"abs": "sp.Abs", "min": "sp.Min", "max": "sp.Max", "copysign": "", "real": "", "whole": ""}
     | {"eccentric_anomaly": "", "isfinite": "", "not": "sp.Not"}
-    | {name: f"sp.{name}" for name in ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor")},
+    | {name: f"sp.{name}" for name in ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor")}
+    | {"asinh": "sp.asinh", "pow": "sp.Pow"},
     number=lambda value: f"sp.Float({value!r}, 17)" if isinstance(value, float) else repr(value),
     select="sp.Piecewise(({1}, {0}), ({2}, True))",
     statement="{name} = {value}",
@@ -221,9 +228,17 @@ _SYMPY = Language(
 )
 
 _CASADI = Language(
-    calls={"abs": "ca.fabs", "min": "ca.fmin", "max": "ca.fmax", "copysign": "ca.copysign", "real": ""}
+    calls={
+        "abs": "ca.fabs",
+        "min": "ca.fmin",
+        "max": "ca.fmax",
+        "copysign": "ca.copysign",
+        "real": "",
+        "whole": "",
+    }
     | {"eccentric_anomaly": "", "isfinite": "", "not": "ca.logic_not"}
-    | {name: f"ca.{name}" for name in ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor")},
+    | {name: f"ca.{name}" for name in ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor")}
+    | {"asinh": "ca.asinh", "pow": "ca.power"},
     number=_python_number,
     select="ca.if_else({0}, {1}, {2})",
     statement="{name} = {value}",

@@ -26,7 +26,7 @@ COMPARISONS: dict[str, Callable] = {
     "!=": operator.ne,
 }
 
-FUNCTIONS = ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor", "copysign")
+FUNCTIONS = ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "floor", "copysign", "asinh", "pow")
 """Functions of mathematics that kernels call."""
 
 
@@ -45,13 +45,16 @@ class Node(NamedTuple):
     kind: str
 
 
+_NUMPY_NAMES = {"atan2": "arctan2", "asin": "arcsin", "asinh": "arcsinh"}
+
+
 def _quietly(function, *args):
     """A value, not a number where there is none: such a branch is not taken, or the guards will see it."""
     try:
         return float(function(*args))
     except (ValueError, ZeroDivisionError, OverflowError):
         with np.errstate(all="ignore"):
-            return float(getattr(np, {"atan2": "arctan2"}.get(function.__name__, function.__name__))(*args))
+            return float(getattr(np, _NUMPY_NAMES.get(function.__name__, function.__name__))(*args))
 
 
 def _divide(a, b):
@@ -278,7 +281,22 @@ class Graph:
         if self.known(a) is not None and self.known(b) is not None:
             return a if _VALUES[op](self.values[a], self.values[b]) == self.values[a] else b
 
-        return self.node(op, (a, b), None, self._kind_of(a, b))
+        if self._kind_of(a, b) == INT:
+            first, second = (b, a) if op == "min" else (a, b)
+            return self.select(self.comparison("<", first, second), b, a)
+
+        return self.node(op, (a, b), None, REAL)
+
+    def whole(self, a):
+        """A number made a whole one, towards zero."""
+        if self.known(a) is not None:
+            return self.constant(int(self.values[a]))
+
+        if self.nodes[a].kind == INT:
+            return a
+
+        value = self.values[a]
+        return self.node("whole", (a,), None, INT, int(value) if math.isfinite(value) else 0)
 
     def function(self, name, *args):
         """A function of mathematics."""
@@ -358,8 +376,8 @@ class Graph:
                 found[k] = float(buffers[node.about[0]][node.about[1]])
             elif node.op == "load":
                 found[k] = float(buffers[node.about[0]][node.about[1] + args[0]])
-            elif node.op == "real":
-                found[k] = float(args[0])
+            elif node.op in ("real", "whole"):
+                found[k] = float(args[0]) if node.op == "real" else int(args[0])
             elif node.op in FUNCTIONS:
                 found[k] = _quietly(getattr(math, node.op), *args)
             elif node.op in _VALUES:

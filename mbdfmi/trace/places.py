@@ -16,7 +16,7 @@ KEPT_WORK = ("x_rate", "held", "least_share")
 by no one.
 """
 
-LOOKED_UP = ("knot_x", "knot_c", "knot_area", "patch_c")
+LOOKED_UP = ("knot_x", "knot_c", "knot_area", "patch_c", "cell_c")
 """Arrays of tables, in which numbers are looked up."""
 
 PREPARED = ("body_m", "body_h", "body_I", "added_I", "added_H", "added_M")

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType, SimpleNamespace
 
 from ..kernels import entry
-from .symbols import MATH, NUMPY, maximum, minimum
+from .symbols import MATH, NUMPY, maximum, minimum, whole
 
 ROOM = entry.__name__.rpartition(".")[0]
 """The dotted name of the kernels' package."""
@@ -48,7 +48,7 @@ class Kernels:
         if found is None:
             found = self._modules[module.__name__] = SimpleNamespace()
             names = found.__dict__
-            names |= {"__name__": module.__name__, "max": maximum, "min": minimum}
+            names |= {"__name__": module.__name__, "max": maximum, "min": minimum, "int": whole}
             names |= {
                 name: self._copy(module, name, value)
                 for name, value in vars(module).items()

@@ -3,9 +3,9 @@
 import math
 from types import SimpleNamespace
 
-from .graph import Graph
+from .graph import Graph, Untraceable
 
-_MATH_NAMES = ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "copysign")
+_MATH_NAMES = ("sqrt", "sin", "cos", "atan2", "asin", "exp", "log", "tanh", "copysign", "asinh", "pow")
 
 
 class Symbol:
@@ -75,6 +75,11 @@ class Symbol:
 
     def __bool__(self):
         return self.tracer.decide(self.k)
+
+    def __index__(self):
+        raise Untraceable("how often a loop turns, or where something is written, depends on values")
+
+    __int__ = __float__ = __index__
 
 
 def _less(graph, a, b):
@@ -153,10 +158,21 @@ def _extreme(name):
     return extreme
 
 
+def _floor(x):
+    """`math.floor`, which is a whole number."""
+    return whole(NUMPY.floor(x)) if isinstance(x, Symbol) else math.floor(x)
+
+
+def whole(x):
+    """`int`, towards zero."""
+    return _made(x, Graph.whole, x) if isinstance(x, Symbol) else int(x)
+
+
 MATH = SimpleNamespace(
     pi=math.pi,
     inf=math.inf,
     isfinite=_is_finite,
+    floor=_floor,
     **{name: _function(name) for name in _MATH_NAMES},
 )
 """What kernels find as `math`."""
