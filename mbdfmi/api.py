@@ -70,11 +70,13 @@ class Scene(_scene.SceneData):
         """
         return self._imported.notes if self._imported else []
 
-    def compile(self):
-        """The `Model` of the scene: arrays and variables. Raises SceneError; NoEquilibrium where it is to
-        start in one and there is none.
+    def compile(self, as_given=False):
+        """The `Model` of the scene: arrays and variables.
+
+        as_given : with its start values as they are, whatever start the scene asks for. Raises SceneError;
+        NoEquilibrium where it is to start in one and there is none.
         """
-        return self._compiled(self._starting())
+        return self._compiled(self._whole() if as_given else self._starting())
 
     def _compiled(self, scene):
         from .compiler.model import compile_scene
@@ -89,8 +91,13 @@ class Scene(_scene.SceneData):
         if self.solver.start == "given":
             return self
 
-        with self._file_named():
+        from .analysis.equilibrium import NoEquilibrium
+
+        try:
             return self.equilibrium(hold=hold, parameters=parameters, time=time).scene
+        except NoEquilibrium as error:
+            place = f"{self._file}: " if self._file else ""
+            raise NoEquilibrium(f'{place}[solver] start = "equilibrium": {error}') from None
 
     def simulate(self, until, step=None, inputs=None, parameters=None, specialise=False, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by

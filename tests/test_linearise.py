@@ -1,10 +1,12 @@
 """Linear models and modes against closed forms, published digits and runs."""
 
+import importlib.util
 import time
 
 import numpy as np
 import pytest
 import scipy
+from test_floating_wind_turbine import adrift
 
 import mbdfmi
 from mbdfmi import Scene
@@ -268,6 +270,13 @@ def test_matrices_of_a_pendulum_are_the_closed_form(tmp_path):
     with pytest.raises(ValueError, match="npz"):
         linear.save(tmp_path / "a.csv")
 
+    if importlib.util.find_spec("control"):
+        system = linear.control()
+        assert np.array_equal(system.B, linear.B) and system.input_labels == ["pivot_torque"]
+    else:
+        with pytest.raises(ImportError, match="pip install control"):
+            linear.control()
+
 
 def test_a_loop_of_a_moving_run_is_that_of_its_state():
     """A parallelogram four-bar, rows redundant in space: it swings as a pendulum, also while it moves."""
@@ -350,3 +359,10 @@ def test_rest_and_frequencies_change_with_parameters_as_closed_forms_do():
     assert np.abs(found.outputs["hinge.angle"] / right[0] - 1).max() < 1e-8
     assert np.abs(found.frequencies[0] / right[1] - 1).max() < 1e-8
     assert np.abs(found.damping).max() < 1e-10
+
+
+def test_the_barge_of_a_turbine_swings_at_the_reference_periods():
+    """Added mass alone: OpenFAST has 7.7991 s in heave, 11.3744 s in pitch at 5 deg (11.3765 s of small swings)."""
+    periods = np.array([mode.period for mode in adrift().linearise([], []).modes() if mode.oscillates])
+    assert np.abs(periods - 7.7991).min() < 1e-4
+    assert np.abs(periods - 11.3765).min() < 1e-4

@@ -69,13 +69,16 @@ class Linear:
         return StateSpace(self.A, self.B, self.C, self.D)
 
     def control(self):
-        """The same as control.StateSpace, with names. Raises ImportError where python-control is missing."""
+        """The same as control.StateSpace, with names, in which it takes no dots. Raises ImportError where
+        python-control is missing.
+        """
         try:
             import control
         except ImportError:
             raise ImportError("python-control is not installed: pip install control") from None
 
-        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        told = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        names = {key: [name.replace(".", "_") for name in some] for key, some in told.items()}
         return control.ss(self.A, self.B, self.C, self.D, **names)
 
     @property
@@ -112,11 +115,7 @@ class Linear:
         path.
         """
         path = Path(path)
-        check_ending(path, "matrices are to be written", *ENDINGS)
-
-        if path.suffix.lower() not in ENDINGS:
-            raise ValueError(f"{path}: let its name end in .npz (numpy) or .mat (MATLAB, Octave)")
-
+        check_matrices(path)
         tables = {key: getattr(self, key) for key in ("A", "B", "C", "D", "u0", "y0", "time")}
         tables |= {"mass": self.inertia, "stiffness": self.stiffness, "damping": self.damping}
         names = {key: getattr(self, key) for key in ("states", "inputs", "outputs")}
@@ -131,6 +130,14 @@ class Linear:
                 scipy.io.savemat(file, tables | cells)
 
         return path
+
+
+def check_matrices(path):
+    """Raises now the ValueError that `Linear.save` would raise later for a file's ending."""
+    check_ending(path, "matrices are to be written", *ENDINGS)
+
+    if Path(path).suffix.lower() not in ENDINGS:
+        raise ValueError(f"{path}: let its name end in .npz (numpy) or .mat (MATLAB, Octave)")
 
 
 def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:
@@ -305,7 +312,7 @@ def _unsteady(manifold):
     rates_ = manifold.unsteady()
     sizes = np.abs(rates_) / manifold.unit
 
-    if sizes.max(initial=0.0) <= STEADY:
+    if not len(manifold.speeds) or sizes.max(initial=0.0) <= STEADY:
         return []
 
     k = int(sizes.argmax())

@@ -70,7 +70,7 @@ def run(options):
     if shown:
         check_looks(options.scene, scene)
 
-    hold, parameters = settings_of(scene.compile(), options.set)
+    hold, parameters = settings_of(scene.compile(as_given=True), options.set)
     asked = {"hold": hold, "parameters": parameters, "time": options.time, "weather": options.weather}
 
     with doing_here("looking for the equilibrium") as tell:

@@ -61,7 +61,7 @@ def run(options):
     n = int(np.floor((options.last - options.first) / options.step + 1e-9))
     heel = options.first + options.step * np.arange(n + 1)
     scene = load_scene(options.scene, options)
-    hold, parameters = settings_of(scene.compile(), options.set)
+    hold, parameters = settings_of(scene.compile(as_given=True), options.set)
 
     with doing_here("finding the righting arm") as tell:
         found = scene.righting(

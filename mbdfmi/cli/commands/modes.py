@@ -86,6 +86,11 @@ def run(options):
     output = options.output and writable(options.output, [options.scene])
     shown = view_file(options.view, None, options.scene)
 
+    if output:
+        from ...analysis.linear import check_matrices
+
+        check_matrices(output)
+
     if csv and not options.over:
         raise ValueError("--csv: is the table of a root locus; add --over NAME=A:B:N")
     if options.mode and not shown:
@@ -97,7 +102,7 @@ def run(options):
     if shown:
         check_looks(options.scene, scene)
 
-    hold, parameters = settings_of(scene.compile(), options.set)
+    hold, parameters = settings_of(scene.compile(as_given=True), options.set)
     asked = {"axes": options.axes, "hold": hold, "parameters": parameters}
 
     if over:
@@ -203,6 +208,10 @@ def _print(modes):
             _shares(mode.joints),
             _shares(mode.bodies),
         )
+
+    if not len(modes):
+        out.print("no modes: nothing swings, grows or dies away")
+        return
 
     print_table(table)
 

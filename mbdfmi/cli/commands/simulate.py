@@ -56,7 +56,7 @@ def run(options):
     if shown:
         check_looks(options.scene, scene)
 
-    model = scene.compile()
+    model = scene.compile(as_given=True)
     inputs, parameters = settings_of(model, options.set)
 
     if options.step and abs(options.until / options.step) > MOST_POINTS:

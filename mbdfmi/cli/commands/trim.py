@@ -66,7 +66,7 @@ def run(options):
     if write and scene.imported:
         raise ValueError(f"--write: {options.scene} is a robot; write it as a scene first (mbdfmi import)")
 
-    hold, parameters = settings_of(scene.compile(), options.set)
+    hold, parameters = settings_of(scene.compile(as_given=True), options.set)
     steady = True if options.steady == ["all"] else options.steady
 
     with doing_here("trimming") as tell:
