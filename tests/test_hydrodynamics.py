@@ -257,3 +257,36 @@ def test_what_a_file_does_not_have_is_told(database, tmp_path):
 
     with pytest.raises(SceneError, match="No such file"):
         compile_scene(afloat(str(tmp_path / "none.1"), outputs=QUIET))
+
+
+@pytest.mark.parametrize("integrator", ["rk54", "radau"])
+def test_a_body_that_is_moved_makes_waves(database, integrator):
+    """Heaved by a driver: in the long run the force is that of H at its frequency."""
+    omega = 0.9
+    data = afloat(database, None, None, {"integrator": integrator, "tolerance": 1e-9}, QUIET).model_dump(
+        exclude_unset=True
+    )
+    data["joint"]["free"] = {
+        "prismatic": {"axis": "z"},
+        "between": ["ground", "hull"],
+        "driver": {"harmonic": {"amplitude": 0.1, "frequency": omega / (2 * np.pi)}},
+    }
+    run = simulate(compile_scene(Scene.model_validate(data)), 60.0, 0.1)
+    late = run["time"] > 40
+    time = run["time"][late]
+    wanted = -(response([omega])[0, 2, 2] * 0.1 * omega * np.exp(1j * omega * time)).real
+    found = run["water.radiation_force"][late, 2]
+    assert_near(found, wanted, 0.01 * np.abs(wanted).max())
+
+
+def test_what_cannot_be_is_told(database):
+    for radiation, words in (
+        (False, None),
+        ({"states": 500}, "whole number from 2 to 60"),
+        ("no", "true or false"),
+    ):
+        if words:
+            with pytest.raises(SceneError, match=words):
+                afloat(database, outputs=(), radiation=radiation)
+        else:
+            assert compile_scene(afloat(database, outputs=(), radiation=radiation)).n_memory == 0

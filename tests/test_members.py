@@ -94,3 +94,8 @@ def test_a_member_is_of_one_body_and_a_current_needs_a_bed_to_fall_to():
 
     with pytest.raises(SceneError, match=r"\[sea\].*needs a depth"):
         pile({}, sea={"current": {"velocity": [1, 0, 0], "exponent": 0.1}})
+
+
+def test_a_member_without_length_is_told():
+    with pytest.raises(SceneError, match=r"\[force.drag\] between: both ends are at one place"):
+        compile_scene(pile({}, top=1.0, bottom=1.0))

@@ -168,7 +168,7 @@ def _tell_outside(builder, path, waves, known):
 
     if outside > OUTSIDE:
         text = (
-            f"reaches from {known[0]:.4g} to {known[-1]:.4g} rad/s; {100 * outside:.2g} % of the sea's energy is outside, where the "
+            f"reaches from {known[0]:.4g} to {known[-1]:.4g} rad/s; {100 * outside:.3g} % of the sea's energy is outside, where the "
             "nearest of its frequencies is taken"
         )
         builder.notice(path, text)

@@ -53,7 +53,7 @@ class Structure(NamedTuple):
 def find_structure(values, n_body, n_q, n_v, n_s, n_turn) -> Structure:
     """The structure of a model's Jacobian; values: its arrays by name."""
     parts = _Parts(values, n_body, n_q + n_v, n_s, n_turn)
-    blocks = _turn_blocks(parts, n_q + n_v + n_s, n_turn)
+    blocks = _turn_blocks(parts, n_q + n_v + n_s, n_turn) + parts.still_memories
     n_free = len(blocks)
     blocks += _position_blocks(parts)
     order, earlier = elimination(parts.coupled)
@@ -168,12 +168,22 @@ class _Parts:
         return found
 
     def _add_memories(self, first):
-        """Memories of the waves that bodies make, each to its body's island. first : where they stand behind the parameters."""
+        """Memories of the waves that bodies make, each to its body's island, or by itself where that moves as it is told to.
+
+        first : where they stand behind the parameters.
+        """
         columns = ("radiation_marker", "radiation_memory", "radiation_memories")
+        self.still_memories = []
 
         for marker, begin, count in zip(*(self._column(name) for name in columns)):
-            for island in self.islands(self._bodies(marker)):
-                self.parameters[island] += range(first + begin, first + begin + count)
+            states = range(first + begin, first + begin + count)
+            islands = self.islands(self._bodies(marker))
+
+            for island in islands:
+                self.parameters[island] += states
+
+            if not islands:
+                self.still_memories.append(Block([self.first_s + k for k in states]))
 
     def coordinate_ends(self, k):
         """Nodes that coordinate k outside the tree is between."""

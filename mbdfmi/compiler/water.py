@@ -3,8 +3,9 @@
 import numpy as np
 
 from ..kernels import outputs
+from ..scene import Problem, SceneError
 from ..scene.sea import Sea
-from ..vectors import dot
+from ..vectors import dot, norm
 from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
@@ -63,6 +64,11 @@ def add_member(builder, name, force, ends):
     """A member that water drags at."""
     spec, sea, tables = force.member, builder.scene.sea or Sea(), builder.tables
     current = sea.current
+    first, second = (builder.scene.marker_pose(end)[1] for end in force.between)
+
+    if not norm(second - first) > 0.0:
+        text = "both ends are at one place: a member needs a length"
+        raise SceneError([Problem(("force", name, "between"), text)])
 
     if current and not tables["n_current"].length:
         profile = [current.exponent, sea.depth or 1.0]

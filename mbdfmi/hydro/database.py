@@ -68,7 +68,7 @@ class Coefficients:
 
         Raises ValueError without excitation and for headings that the file does not reach.
         """
-        if self.excitation is None:
+        if self.excitation is None or self.headings is None or self.wave_omega is None:
             raise ValueError("has no excitation")
 
         headings, values = _around(self.headings, self.excitation)

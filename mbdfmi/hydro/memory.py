@@ -308,6 +308,12 @@ def _joined(parts, infinite, error, orders):
             sink.append(np.zeros(6))
             source[-1][group], sink[-1][group] = B[k], C[:, k]
 
-    arrays = (np.array(x, float).reshape(-1, width) for x, width in ((pole, 2), (source, 6), (sink, 6)))
-    pole, source, sink = arrays
-    return Memory(pole, np.array(mate, int), source, sink, infinite, error, orders)
+    return Memory(
+        np.array(pole, float).reshape(-1, 2),
+        np.array(mate, int),
+        np.array(source, float).reshape(-1, 6),
+        np.array(sink, float).reshape(-1, 6),
+        infinite,
+        error,
+        orders,
+    )

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, MEMBER_OUTPUTS, SEA_OUTPUTS
 from .ends import Between, End
 from .errors import show
-from .fields import Boolean, NotNegative, Number, OneOf, Part, Positive, SomeOf, Vector, number
+from .fields import Boolean, NotNegative, Number, OneOf, Part, Positive, SomeOf, Vector, number, number_or
 from .meshes import MeshFile
 
 
@@ -167,7 +167,7 @@ class HydrodynamicsOptions(Part):
 
     file: DataName = Field(description='as in file = "barge.1"')
     scale: Positive = 1.0
-    radiation: RadiationOptions | Boolean = RadiationOptions()
+    radiation: number_or(Boolean, RadiationOptions) = True
     excitation: Boolean = True
 
 
