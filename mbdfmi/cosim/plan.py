@@ -56,6 +56,12 @@ def plan(net: Network, master: Master, without: frozenset[str] = frozenset()) ->
             "state, or must not; leave it out"
         )
 
+    stiff = [name for name in net.names if not net.members[name].can.variable_steps]
+    if master.error is not None and stiff:
+        raise CouplingError(
+            f"[master] error: {', '.join(stiff)} cannot take steps of different lengths; leave it out"
+        )
+
     circles = sequence(net, master.sequence)
     edges = links_of_fmus(net)
     loops = [len(group) > 1 or (group[0], group[0]) in edges for group in circles]

@@ -47,6 +47,9 @@ class Port:
             chosen = "end" if at_once else "mean"
         return HOLDS[chosen]
 
+    step: Callable[[float, float], None]
+    """Advances from a time by a step (s), once the run has begun."""
+
     def connect(self):
         """Makes the calls, once there is an instance."""
         net, name, slave, rig = self.rig.net, self.name, self.slave, self.rig

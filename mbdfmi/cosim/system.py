@@ -191,6 +191,12 @@ class _Simulation:
     def run(self, start, until, step, progress, view) -> Coupled:
         system, net = self.system, self.net
         times, steps = communication_points(start, until, step)
+        fixed = [name for name, member in self.members.items() if not member.can.variable_steps]
+        if fixed and abs(steps[-1] - steps[0]) > 1e-9 * steps[0]:
+            names = ", ".join(fixed)
+            self.notices.append(
+                f"{names}: takes steps of one length, it says; the last step is {steps[-1]:.6g} s instead of {steps[0]:.6g} s"
+            )
         self.rig = rig = Rig(net, {name: through(net, name) for name in net.names})
         self.history = History(net, rig.y, rig.end)
         watch = Watch(self.history, system.master.limit)
