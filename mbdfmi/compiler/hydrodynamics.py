@@ -1,14 +1,21 @@
 """Bodies that linear potential theory knows, and the waves of the sea."""
 
+import contextlib
+import hashlib
+import zipfile
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
-from ..hydro.memory import fit
+from ..files import replacing
+from ..hydro import memory as memory_module
+from ..hydro.memory import Memory, fit
 from ..hydro.reading import read_coefficients, read_states
 from ..hydro.spectra import Components, drawn, of_series, regular, wave_number
 from ..kernels import outputs
 from ..kernels.forces.six_by_six import FIRST
+from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea, csv_columns
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
@@ -52,6 +59,13 @@ def add_hydrodynamics(builder, name, force, ends):
         builder.notice(path, note)
 
     infinite = memory.infinite if memory else coefficients.infinite
+
+    if memory and told[0] < memory.error and not (told[1] or told[2]):
+        text = (
+            f"the memory of {len(memory.pole)} states misses {100 * memory.error:.2g} % of a peak, not {100 * told[0]:.2g} %; it gets no "
+            "more states than that"
+        )
+        builder.notice(("force", name, "hydrodynamics", "radiation"), text)
 
     if infinite is None:
         text = "has no added mass at infinite frequency; leave out radiation = false, for the memory finds it"
@@ -97,12 +111,42 @@ def _read(path, stamp, density, gravity, scale, told):
     error, states, file = told
 
     if file is None:
-        return coefficients, notes, fit(coefficients, error, states)
+        return coefficients, notes, _kept_fit(coefficients, error, states)
     if coefficients.infinite is None:
         raise ValueError(
             f"{path}: has no added mass at infinite frequency, which a ready model of radiation needs"
         )
     return coefficients, notes, read_states(file, coefficients.infinite)
+
+
+def _kept_fit(coefficients, error, states):
+    """The fit of a body, kept in the cache folder under a hash of all that it is made of."""
+    given = [coefficients.omega, coefficients.added, coefficients.damping, coefficients.infinite]
+    digest = hashlib.sha256(f"{error} {states} ".encode() + Path(memory_module.__file__).read_bytes())
+
+    for array in given:
+        digest.update(b"none" if array is None else np.ascontiguousarray(array, "<f8").tobytes())
+
+    path = cache_directory() / "memory" / f"{digest.hexdigest()[:24]}.npz"
+
+    try:
+        with np.load(path, allow_pickle=False) as found:
+            arrays = [found[name] for name in ("pole", "mate", "source", "sink", "infinite")]
+            return Memory(*arrays, float(found["error"]), [])
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        memory = fit(coefficients, error, states)
+
+    # where nothing can be kept it is fitted again the next time
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+
+        with replacing(path) as temporary, open(temporary, "wb") as file:
+            np.savez(
+                file, pole=memory.pole, mate=memory.mate, source=memory.source, sink=memory.sink,
+                infinite=memory.infinite, error=memory.error,
+            )  # fmt: skip
+
+    return memory
 
 
 def _add_memory(builder, name, marker, memory, infinite):
@@ -135,7 +179,7 @@ def _add_memory(builder, name, marker, memory, infinite):
 
 def _add_excitation(builder, name, force, marker, coefficients):
     """Row of what the sea's waves do to a marker's body, about where it starts."""
-    waves, tables = sea_components(builder), builder.tables
+    waves, tables = sea_components(builder.scene), builder.tables
     path = ("force", name, "hydrodynamics", "file")
     number = wave_number(waves.omega, builder.scene.sea.depth, -builder.scene.gravity[2])
     place = start_pose(builder, force.on)[0]
@@ -193,9 +237,9 @@ def _add_outputs(builder, name, force, rows):
 # the sea
 
 
-def sea_components(builder) -> Components:
+def sea_components(scene) -> Components:
     """The components of the sea's waves, read or drawn. Raises SceneError for files that cannot be read."""
-    waves = builder.scene.sea.waves
+    waves = scene.sea.waves
     heading = np.radians(waves.direction_deg)
 
     if waves.regular:
@@ -248,7 +292,7 @@ def add_sea(builder):
     if not (sea and sea.output):
         return
 
-    waves = sea_components(builder)
+    waves = sea_components(builder.scene)
     number = wave_number(waves.omega, sea.depth, -builder.scene.gravity[2])
 
     for omega, a, phase, heading, k in zip(*waves, number):

@@ -125,8 +125,10 @@ def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
     scale = np.sqrt(np.maximum(kernel.B.diagonal(axis1=1, axis2=2).max(axis=0), 0.0))
     parts, worst, orders = [], 0.0, []
 
+    samples = _sampled(kernel, coefficients.omega)
+
     for group in _groups(kernel.B, scale):
-        part, missed = _fit_group(kernel, group, scale[group], coefficients.omega, error, states)
+        part, missed = _fit_group(kernel, samples, group, scale[group], error, states)
         parts.append((group, part))
         worst = max(worst, missed)
         orders.append((group, len(part[0])))
@@ -148,18 +150,23 @@ def _groups(B, scale):
     return groups
 
 
-def _fit_group(kernel, group, scale, band, error, states):
-    """((A, B, C) of a group in SI, largest error by its peak)."""
+def _sampled(kernel, band):
+    """(times, K there, frequencies, H there): K shows how long it lasts, H is what is to be met."""
     time = np.linspace(0.0, 2 * np.pi / kernel.omega[1] / 8, 1500)
-    K = kernel.at(time)[np.ix_(range(len(time)), group, group)] / np.outer(scale, scale)
+    even, low = np.linspace(band[0], band[-1], 150), np.geomspace(band[0] / 4, band[-1], 30)
+    omega = np.unique(np.concatenate([even, low]))
+    return time, kernel.at(time), omega, kernel.response(omega)
+
+
+def _fit_group(kernel, samples, group, scale, error, states):
+    """((A, B, C) of a group in SI, largest error by its peak)."""
+    time, whole, omega, response = samples
+    K = whole[np.ix_(range(len(time)), group, group)] / np.outer(scale, scale)
     size = np.abs(K).max(axis=(1, 2))
     span = time[np.flatnonzero(size > DEAD * size.max())[-1]]
     step = max(span / (2 * ROWS), 0.25 / kernel.top)
     K = kernel.at(step * np.arange(2 * ROWS))[np.ix_(range(2 * ROWS), group, group)] / np.outer(scale, scale)
-    omega = np.unique(
-        np.concatenate([np.linspace(band[0], band[-1], 150), np.geomspace(band[0] / 4, band[-1], 30)])
-    )
-    H = kernel.response(omega)[np.ix_(range(len(omega)), group, group)] / np.outer(scale, scale)
+    H = response[np.ix_(range(len(omega)), group, group)] / np.outer(scale, scale)
     realisation = _Kung(K, step)
     best = None
 

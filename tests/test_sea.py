@@ -1,0 +1,109 @@
+"""The waves of a sea: moments, directions, files, dispersion; what `mbdfmi sea` writes."""
+
+import numpy as np
+import pytest
+from scenes import assert_near
+from scipy.integrate import trapezoid
+
+import mbdfmi
+from mbdfmi.cli import main
+from mbdfmi.compiler.hydrodynamics import sea_components
+from mbdfmi.hydro import spectra
+
+G = 9.80665
+
+
+def moments(waves):
+    """m0, m1, m2."""
+    return [waves.amplitude**2 / 2 @ waves.omega**k for k in range(3)]
+
+
+@pytest.mark.parametrize("spacing", ["energy", "frequency"])
+@pytest.mark.parametrize("gamma", [1.0, 3.3])
+def test_a_drawn_sea_has_the_moments_of_its_spectrum(spacing, gamma):
+    """m0 is hs^2 / 16; m1 is kept by centroids; Pierson and Moskowitz: T1 = 0.7718 Tp, T2 = 0.7104 Tp with all of the tail."""
+    waves = spectra.drawn(3.0, 9.0, gamma, 400, spacing, 1, 0.3)
+    m0, m1, m2 = moments(waves)
+    assert_near(m0, 9 / 16, 1e-14)
+    grid = 2 * np.pi / 9 * np.linspace(*spectra.BAND, 400_001)
+    density = spectra.shape(grid, 2 * np.pi / 9, gamma)
+    assert_near(m1 / m0, trapezoid(density * grid, grid) / trapezoid(density, grid), 1e-6)
+
+    if gamma == 1.0:
+        assert_near(2 * np.pi * m0 / m1 / 9.0, 0.7718, 5e-3)
+        assert_near(2 * np.pi * np.sqrt(m0 / m2) / 9.0, 0.7104, 2e-2)
+
+    assert_near(waves.heading, 0.3)
+
+
+def test_equal_seeds_draw_equal_seas():
+    first, again, other = (spectra.drawn(2, 8, 3.3, 50, "energy", seed, 0.0) for seed in (4, 4, 5))
+    assert np.array_equal(first.phase, again.phase) and not np.array_equal(first.phase, other.phase)
+    assert np.array_equal(first.amplitude, other.amplitude)
+
+
+def test_a_spread_sea_has_its_directions():
+    """cos^(2 s) of half the angle: the mean of cos(theta) is s / (s + 1); no two directions at one frequency."""
+    waves = spectra.drawn(2, 8, 3.3, 990, "energy", 1, 0.5, spread=10, directions=33)
+    assert_near(np.mean(np.cos(waves.heading - 0.5)), 10 / 11, 0.003)
+    assert_near(np.mean(np.sin(waves.heading - 0.5)), 0.0, 1e-6)
+    assert len(np.unique(waves.heading)) == 33 and len(np.unique(waves.omega)) == 990
+
+
+@pytest.mark.parametrize("n", [64, 65])
+def test_a_series_comes_back(n):
+    rng = np.random.default_rng(1)
+    time = 5.0 + 0.25 * np.arange(n)
+    elevation = rng.normal(size=n)
+    waves = spectra.of_series(time, elevation, 0.0)
+    again = sum(a * np.cos(w * time + e) for w, a, e in zip(waves.omega, waves.amplitude, waves.phase))
+    assert_near(again, elevation - elevation.mean(), 1e-12)
+
+
+def test_dispersion():
+    omega = np.geomspace(0.01, 20, 50)
+
+    for depth in (0.5, 20.0, 4000.0):
+        k = spectra.wave_number(omega, depth, G)
+        assert_near(G * k * np.tanh(k * depth) / omega**2, 1.0, 1e-12)
+
+    assert_near(spectra.wave_number(omega, None, G), omega**2 / G, 1e-15)
+
+
+def scene(folder, waves):
+    (folder / "scene.toml").write_text(
+        f"""name = "sea"
+body.a = {{ mass = 1, inertia = [1, 1, 1] }}
+joint.f = {{ free = {{}}, between = ["ground", "a"] }}
+sea = {{ waves = {waves}, output = ["elevation"] }}
+"""
+    )
+    return str(folder / "scene.toml")
+
+
+def test_another_scene_sails_the_same_sea(tmp_path, capsys):
+    """By its components, and, where it is periodic, by its series."""
+    first = scene(tmp_path, "{ jonswap = { hs = 2, tp = 8, components = 30 }, direction_deg = 40 }")
+    assert (
+        main(["sea", first, "--components", str(tmp_path / "c.csv"), "--series", str(tmp_path / "s.csv")])
+        == 0
+    )
+    told = capsys.readouterr().out
+    assert "significant height, m" in told and " 2\n" in told.replace(" \n", "\n") and "40" in told
+    drawn = sea_components(mbdfmi.load(first))
+    again = sea_components(mbdfmi.load(scene(tmp_path, '{ components = { file = "c.csv" } }')))
+    assert all(np.array_equal(a, b) for a, b in zip(drawn, again))
+    read = sea_components(mbdfmi.load(scene(tmp_path, '{ series = { file = "s.csv" }, direction_deg = 40 }')))
+    time = np.arange(50) * 0.1
+    elevation = lambda w: sum(a * np.cos(o * time + e) for o, a, e in zip(w.omega, w.amplitude, w.phase))
+    mean = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)[:, 1].mean()
+    assert_near(elevation(read), elevation(drawn) - mean, 1e-9)
+
+
+def test_files_that_are_no_sea_are_told(tmp_path, capsys):
+    (tmp_path / "c.csv").write_text("a,b,c,d\n0.5,1,0,0\n0.6,1,x,0\n")
+    assert main(["sea", scene(tmp_path, '{ components = { file = "c.csv" } }')]) == 1
+    assert "line 3 is no row of numbers" in capsys.readouterr().err
+    (tmp_path / "s.csv").write_text("t,e\n0,1\n1,2\n3,1\n")
+    assert main(["sea", scene(tmp_path, '{ series = { file = "s.csv" } }')]) == 1
+    assert "evenly spaced" in capsys.readouterr().err
