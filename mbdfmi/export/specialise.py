@@ -13,6 +13,7 @@ from pathlib import Path
 from ..files import replacing
 from ..kernels.dynamics import rates
 from ..kernels.entry import ENTRIES
+from ..kernels.language import INTERPRETED, JIT
 from ..native.platforms import PLATFORMS, host_platform
 from ..native.sources import cache_directory
 from ..run.instance import Instance, SimulationError
@@ -31,6 +32,9 @@ SPAN = 1.0
 
 MOST_FAILING = 0.25
 """Part of these states in which a guard may fail."""
+
+KERNEL = symbol_of("dynamics.rates", "evaluate_now")
+"""The kernel that is traced: x' = f."""
 
 FLAGS = ("-fno-math-errno",)
 """Of the compiler: square roots without a look at `errno`."""
@@ -98,6 +102,7 @@ def scene_library(
     link.LinkError.
     """
     platform = platform or host_platform()
+    narrowed = _narrowing()
     found = found or own(model)
     text = f"{HEAD}\n{found.traced.text}\n" if found.traced else ""
     table = header.table_of_kernels(ENTRIES, model.guid)
@@ -110,7 +115,9 @@ def scene_library(
 
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             sources = [Path(name) / "scene.ll"]
-            sources[0].write_text(_narrowed(kernels, model, found))
+            sources[0].write_text(
+                narrowed(kernels, model.ints, KERNEL, KERNEL + GENERIC if found.traced else None)
+            )
 
             if text:
                 sources.append(Path(name) / "traced.c")
@@ -121,8 +128,14 @@ def scene_library(
     return path
 
 
-def _narrowed(kernels, model, found):
-    """IR of the kernels with the structure of a model bound."""
+def _narrowing():
+    """`narrow.narrowed`, where what it needs is installed and the kernels of this process are the compiled ones."""
+    if INTERPRETED or JIT:
+        raise SpecialiseError(
+            "a scene's own library stands beside the compiled kernels; this process has them interpreted or "
+            "compiled one by one (MBDFMI_INTERPRETED, MBDFMI_JIT)"
+        )
+
     try:
         from .narrow import narrowed
     except ImportError as error:
@@ -131,5 +144,4 @@ def _narrowed(kernels, model, found):
             "pip install 'mbdfmi[build]'"
         ) from None
 
-    kernel = symbol_of("dynamics.rates", "evaluate_now")
-    return narrowed(kernels, model.ints, kernel, kernel + GENERIC if found.traced else None)
+    return narrowed

@@ -14,7 +14,7 @@ import numpy as np
 
 from .derivatives import at_the_trace
 from .graph import Graph
-from .places import places, tunable
+from .places import COMMANDED, places, places_of, tunable
 from .record import Guard, Tracer
 
 
@@ -56,15 +56,15 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
     """The scene of an instance as a graph, at its state, time and inputs.
 
     parameters : names of those that are given; all others are numbers. outputs : whether y is wanted. What
-    the start has found (lengths of springs, which rows are redundant) stays as it is. Raises Untraceable,
-    KeyError for unknown names.
+    the start has found (lengths of springs, which rows are redundant) stays as it is, and how commanded
+    motions go on. Raises Untraceable, KeyError for unknown names.
     """
     model = instance.model
     by_name = {v.name: v.index for v in model.of_causality("parameter")}
     reals = [by_name[name] for name in parameters]
     (now, _), x = places(model, "time"), places(model, "x")
     inputs = range(model.n_u)
-    given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs)}
+    given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs), "work": places_of(model, COMMANDED)}
     tracer = Tracer(instance.m, instance.d, given, exact=False)
     graph = tracer.graph
 

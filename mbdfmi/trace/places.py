@@ -2,14 +2,11 @@
 
 from ..kernels.layout import ARRAY, SLOT, array_length
 
-GIVEN_WORK = (
-    "now",
-    "input",
-    "command_course",
-    "command_settling",
-    "attitude_base",
-)
-"""Work arrays that a run leaves for `rates.evaluate_now` to read: time and inputs, and how commands go on."""
+COMMANDED = ("command_course", "command_settling", "attitude_base")
+"""Work arrays that say how commanded motions go on over a communication step."""
+
+GIVEN_WORK = ("now", "input", *COMMANDED)
+"""Work arrays that a run leaves for `rates.evaluate_now` to read: time, inputs and commands."""
 
 KEPT_WORK = ("x_rate", "held", "least_share")
 """Work arrays that steppers read after it, or that say what stands in the state. What else it leaves is read
