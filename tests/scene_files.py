@@ -101,6 +101,7 @@ name = "carriage"
 [solver]
 integrator = "rk853"
 formulation = "embedding"
+start = "given"
 
 [ground]
 marker.road = { zyx_deg = [0, 0, 5] }
