@@ -78,7 +78,10 @@ class _Buffer:
 
         # what must not survive a call is nothing, or it would be given
         if self.name == "work" and value != 0.0:
-            raise Untraceable(f"place {j} of the work array holds {value} from before")
+            name = self.tracer.array_at(self.name, j)
+            raise Untraceable(
+                f"{_place()}: `{name}` of the work arrays is read, which holds {value} from before"
+            )
 
         return value
 
@@ -197,6 +200,11 @@ class Tracer:
                 found[j] = k
 
         return found
+
+    def array_at(self, buffer: str, place: int) -> str:
+        """The name of the array that a place of a buffer is in."""
+        cells = ((name, getattr(self.d, name)) for name, array in ARRAY.items() if array.buffer == buffer)
+        return next(name for name, one in cells if one.first <= place < one.first + one.length)
 
     def node_of(self, value) -> int:
         """The node of a number, symbolic or not."""
