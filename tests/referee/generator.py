@@ -65,6 +65,9 @@ FOCUS = {
     "led": {"led": 1, "family": "loose", "loops": (0, 0), "couplings": (0, 1)},
 }
 
+LONG_RUN = {None: 500} | {focus: -(-1500 // len(FOCUS)) for focus in sorted(FOCUS)}
+"""How many scenes of each focus, and of none, a run of two thousand has."""
+
 
 def draw(seed: int, size: int | None = None, focus: str | None = None, start: str | None = None) -> dict:
     """The scene of a seed.

@@ -14,9 +14,6 @@ from . import coverage, generator, shrink
 
 MOVED = re.compile("at the start is (given as|turned)")
 
-# how many scenes a long run has
-MANY = 2000
-
 
 @pytest.fixture(scope="module")
 def scenes():
@@ -53,7 +50,11 @@ def test_a_short_run_uses_nearly_all_keys(scenes):
 
 @pytest.mark.long
 def test_every_key_is_in_at_least_twenty_scenes_of_a_long_run():
-    counts = coverage.count(generator.draw(seed) for seed in range(MANY))
+    counts = coverage.count(
+        generator.draw(seed, focus=focus)
+        for focus, n in generator.LONG_RUN.items()
+        for seed in range(1, n + 1)
+    )
     print(coverage.table(counts))
     assert min(counts.values()) >= coverage.LEAST
 

@@ -19,7 +19,7 @@ from . import plan as plans
 from .__main__ import main
 from .exactness import Exactness
 from .findings import Count
-from .generator import FOCUS, draw
+from .generator import LONG_RUN, draw
 from .interpreter import Interpreter
 from .verdicts import Verdict, judge
 from .ways import LEAVING, Libraries, Way, model_of, run, scene_of
@@ -136,10 +136,9 @@ def test_small_random_scenes_stand(seed):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("focus", [None, *sorted(FOCUS)])
-def test_two_thousand_scenes(focus, tmp_path_factory):
+@pytest.mark.parametrize("focus, n", LONG_RUN.items())
+def test_two_thousand_scenes(focus, n, tmp_path_factory):
     """Goes on where it was stopped: lines of verdicts stand in referee/ in the working folder."""
-    n = 500 if focus is None else -(-1500 // len(FOCUS))
     more = [] if focus is None else ["--focus", focus]
     assert (
         main(["--seed", "1", "--scenes", str(n), "--out", "referee", "--resume", "referee.jsonl", *more]) == 0

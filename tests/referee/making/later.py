@@ -9,7 +9,7 @@ from .dice import Dice
 
 def add(seed, mechanism, forces, gravity):
     """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, hulls to bodies, surfaces
-    to the ground that nothing touches, meshes to solids."""
+    to the ground that nothing touches, a word to frames that may not spin, meshes to solids."""
     dice = Dice(seed, 1)
 
     for joint in mechanism.joints:
@@ -31,6 +31,12 @@ def add(seed, mechanism, forces, gravity):
             marker["surface"] = dice.pick(
                 [{"disk": {"radius": 0.2}}, {"ellipsoid": {"semi_axes": [0.3, 0.2, 0.1]}}]
             )
+
+    dice = Dice(seed, 9)
+    for joint in mechanism.joints:
+        options = joint.table.get(joint.kind)
+        if joint.kind.startswith("frame_on") and "spin" not in options and dice.chance(0.6):
+            options["spin"] = "held"
 
     looks.add_solid(Dice(seed, 3), mechanism)
 

@@ -35,12 +35,30 @@ def add(seed, data):
         if owner == "ground" and holder:
             data["ground"] = holder
 
+    _place_more(Dice(seed, 8), data)
+
     if dice.chance(0.4):
         data["view"] = _view(dice, data)
 
     if dice.chance(0.3):
         start = dice.number(-1.0, 1.0)
         data["experiment"] = {"start": start, "stop": start + 5.0, "step": 0.05, "tolerance": 1e-6}
+
+
+def _place_more(dice, data):
+    """More shapes on the ground and its markers, turned in every way."""
+    ground = data.get("ground", {})
+    holders = [holder for holder in (ground, *ground.get("marker", {}).values()) if dice.chance(0.6)]
+
+    for holder in holders:
+        own = holder.get("shape", [])
+        holder["shape"] = [
+            *(own if isinstance(own, list) else [own]),
+            _shape(dice, "ground", {}, KINDS[:-1], turned=1.0),
+        ]
+
+    if ground:
+        data["ground"] = ground
 
 
 def _paint(dice, holder, owner, markers):
@@ -52,8 +70,8 @@ def _paint(dice, holder, owner, markers):
         holder["shape"] = shapes[0] if len(shapes) == 1 and dice.chance(0.5) else shapes
 
 
-def _shape(dice, owner, markers):
-    kind = dice.pick(KINDS)
+def _shape(dice, owner, markers, kinds=KINDS, turned=0.6):
+    kind = dice.pick(kinds)
     look = {"colour": dice.pick(COLOURS)} if dice.chance(0.3) else {}
     look |= {"opacity": dice.number(0.1, 1.0)} if dice.chance(0.3) else {}
 
@@ -71,10 +89,9 @@ def _shape(dice, owner, markers):
         "cone": {"radius": radius, "length": length} | ({"top_radius": 0.05} if dice.chance(0.5) else {}),
         "mesh": {"file": WEDGE, "scale": 0.001 if dice.chance(0.5) else [0.001, 0.002, -0.001]},
     }[kind]
-    turned = kind in ("cylinder", "tube", "capsule", "cone") and dice.chance(0.5)
-    return (
-        {kind: form} | frames.place(dice, 0.3)[0] | look | ({"axis": frames.axis(dice)[0]} if turned else {})
-    )
+    along = kind in ("cylinder", "tube", "capsule", "cone") and dice.chance(0.5)
+    axis = {"axis": frames.axis(dice)[0]} if along else {}
+    return {kind: form} | frames.place(dice, 0.3, turned)[0] | look | axis
 
 
 def _view(dice, data):
