@@ -78,7 +78,8 @@ def parameter_of(unit: str | None) -> Coordinate:
 def acceleration_of(coordinate: Coordinate) -> Quantity:
     """The second rate of a joint's one coordinate."""
     unit = coordinate.position.unit
-    return Quantity("acceleration", f"{unit}/s2" if unit else None)
+    name = "s_acceleration" if coordinate.position.name == "s" else "acceleration"
+    return Quantity(name, f"{unit}/s2" if unit else None)
 
 
 def coordinate_names(coordinates: tuple[Coordinate, ...]) -> list[str]:

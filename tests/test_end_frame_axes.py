@@ -346,7 +346,7 @@ def test_commanded_in_an_fmu(tmp_path):
         command = {
             "hold.s_command": 0.3 + 0.2 * k,
             "hold.s_rate_command": 0.2,
-            "hold.acceleration_command": 0.0,
+            "hold.s_acceleration_command": 0.0,
         }
         fmu.set(command)
         here.u[:3] = list(command.values())

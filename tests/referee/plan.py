@@ -21,7 +21,8 @@ CHANGEABLE = re.compile(
 )
 LEFT = "left as it is, the length at the start"
 COMMANDS = {
-    "position_command": 0, "angle_command": 0, "s_command": 0, "speed_command": 1, "s_rate_command": 1, "acceleration_command": 2,
+    "position_command": 0, "angle_command": 0, "s_command": 0, "speed_command": 1, "s_rate_command": 1,
+    "acceleration_command": 2, "s_acceleration_command": 2,
 }  # fmt: skip
 GROUND = {
     "position": 0, "velocity": 1, "acceleration": 2, "euler_parameters": 0, "zyx": 0, "omega": 1, "alpha": 2,

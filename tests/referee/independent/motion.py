@@ -143,7 +143,9 @@ class Driver:
     def _commanded(self, inputs, seen):
         """What is told holds exactly; the rest is as seen, or the derivatives of the last thing told,
         where these are given."""
-        names = {"position": self.quantity} | ({"speed": "s_rate"} if self.quantity == "s" else {})
+        names = {"position": self.quantity} | (
+            {"speed": "s_rate", "acceleration": "s_acceleration"} if self.quantity == "s" else {}
+        )
         found = []
 
         for k, what in enumerate(JOINT):
