@@ -24,7 +24,7 @@ def probe_fmu(path, limit=None):
     limit : s, for each question. Raises ValueError with the number of faults, those of validation among them.
     """
     import fmpy
-    from rich.markup import escape
+    from rich.text import Text
 
     from ..probe import FAULT, LIMIT, probe
 
@@ -47,11 +47,10 @@ def probe_fmu(path, limit=None):
     with doing_here(f"{path}: asking") as progress:
         answers = list(probe(path, limit or LIMIT, progress))
 
-    table = table_of("question", "", "seen")
+    table = table_of("answer", "question", "seen")
     for answer in answers:
         style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
-        verdict = f"[{style}]{answer.verdict}[/]" if style else answer.verdict
-        table.add_row(answer.question, verdict, escape(answer.seen))
+        table.add_row(Text(answer.verdict, style), answer.question, answer.seen)
     print_table(table)
 
     faults += [answer.question for answer in answers if answer.verdict == FAULT]

@@ -1,8 +1,13 @@
 """The terminal: what is printed, what is told of errors, what shows that work goes on."""
 
+import os
 import sys
 from contextlib import contextmanager
 from functools import cached_property
+
+
+PIPED = 160
+"""Width of tables where nobody says how wide the output is: into a file or a pipe, where names are looked for whole."""
 
 
 class _Terminal:
@@ -16,8 +21,11 @@ class _Terminal:
         """The console itself."""
         from rich.console import Console
 
+        stream = sys.stderr if self._stderr else sys.stdout
+        wide = None if stream.isatty() or "COLUMNS" in os.environ else PIPED
+
         # names and titles are free text: nothing in them is markup, an emoji or to be coloured
-        return Console(markup=False, highlight=False, emoji=False, stderr=self._stderr)
+        return Console(markup=False, highlight=False, emoji=False, stderr=self._stderr, width=wide)
 
     def __getattr__(self, name):
         return getattr(self.console, name)
