@@ -11,7 +11,8 @@ import pytest
 from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
-from mbdfmi.probe import ABSENT, FAULT, GOOD, TOLD, probe
+from mbdfmi.probe import probe
+from mbdfmi.probe.answers import ABSENT, FAULT, GOOD, TOLD
 from mbdfmi.probe.fmu import Fmu
 from mbdfmi.probe.questions import QUESTIONS
 from mbdfmi.scene import read_scene

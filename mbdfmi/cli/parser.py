@@ -44,7 +44,7 @@ def parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
     whole = argparse.ArgumentParser(
         prog="mbdfmi",
-        description="A multibody scene in, a native FMU out: FMI 2.0 or 3.0, co-simulation and model exchange.",
+        description="A multibody scene in, a native FMU out: FMI 2.0 or 3.0, co-simulation, model exchange.",
         epilog="""a first try:
   mbdfmi info models/pendulum.toml                       what is in it
   mbdfmi view models/pendulum.toml                       what it looks like, in the browser

@@ -5,9 +5,8 @@ import sys
 from contextlib import contextmanager
 from functools import cached_property
 
-
+# width of tables where nobody says how wide the output is: into a file or a pipe, where names are looked for
 PIPED = 160
-"""Width of tables where nobody says how wide the output is: into a file or a pipe, where names are looked for whole."""
 
 
 class _Terminal:

@@ -107,7 +107,7 @@ def node_moved(m, c):
 
 @kernel
 def wrongly_moved(m):
-    """The node that a spring, damper, stop or friction acts on whose constants no scene may have; -1: all are right."""
+    """The node that a spring, damper, stop, friction or line acts on whose constants no scene may have; -1: all are right."""
     for k in range(m.n_joint_spring):
         if not (m.joint_stiffness[k] >= 0.0 and m.joint_damping[k] >= 0.0):
             return node_moved(m, m.joint_spring_coordinate[k])
@@ -125,6 +125,10 @@ def wrongly_moved(m):
     for k in range(m.n_strut):
         if not (m.strut_stiffness[k] >= 0.0 and m.strut_damping[k] >= 0.0):
             return m.marker_body[m.strut_to[k]]
+
+    for k in range(m.n_line):
+        if not (m.line_length[k] > 0.0 and m.line_mass[k] > 0.0 and m.line_stiffness[k] > 0.0):
+            return m.marker_body[m.line_to[k]]
 
     return -1
 

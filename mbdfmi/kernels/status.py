@@ -92,7 +92,7 @@ MESSAGES = {
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",
     BAD_ROTOR: "the rotor that turns with the joint of %s needs an inertia that is not negative, and finite numbers",
-    BAD_EFFORT: "a spring, damper, stop or friction that acts on %s has a constant that is negative or no number, or a speed of its "
+    BAD_EFFORT: "a spring, damper, stop, friction or line that acts on %s has a constant that is negative or no number, or a speed of its "
     "friction is not positive",
     TOUCHES_ALONG: "the surfaces of %s touch in more than a point: the first one is as hollow there as the second one is round, or "
     "hollower, or the second one is a wheel that lies flat",

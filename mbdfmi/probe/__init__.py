@@ -11,21 +11,11 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
-FAULT, GOOD, ABSENT, TOLD = "fault", "good", "–", "told"
-"""What an answer is: something wrong; as it should be; not claimed, or nothing to ask; a figure alone."""
+from .answers import FAULT, Answer
 
 LIMIT = 30.0
 """s, that a question may take."""
-
-
-class Answer(NamedTuple):
-    """question : what was asked. verdict : FAULT, GOOD, ABSENT or TOLD. seen : what was found. In words."""
-
-    question: str
-    verdict: str
-    seen: str
 
 
 def probe(

@@ -13,7 +13,7 @@ folder, name, file = sys.argv[1:4]
 if name == CONTINUE:
     go_on(folder, Path(file))
 else:
-    from . import FAULT
+    from .answers import FAULT
 
     try:
         answer = QUESTIONS[name](Fmu(folder))

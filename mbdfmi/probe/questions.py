@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import ABSENT, FAULT, GOOD, TOLD
+from .answers import ABSENT, FAULT, GOOD, TOLD
 from .fmu import REAL, Fmu, Refused, Run
 
 CONTINUE = "continue"

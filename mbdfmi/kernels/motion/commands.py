@@ -526,7 +526,6 @@ def carry(m, d, H):
 
     for k in range(n):
         d.u_course[k] = d.u_buffer[k]
-
         for row in range(1, N_DERIVATIVE):
             d.u_course[row * n + k] = 0.0
 
@@ -586,10 +585,8 @@ def carry_turn(m, d, k, H):
 def derivative(m, d, k, row, s):
     """Derivative `row` of input k at s (s) of the communication step, likewise."""
     value = 0.0
-
     for i in range(N_DERIVATIVE - 1, row - 1, -1):
         value = d.u_buffer[i * m.n_u + k] + value * s / (i - row + 1)
-
     return value
 
 
