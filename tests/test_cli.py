@@ -212,6 +212,7 @@ def test_export_as_fmi_3(command, refused, tmp_path):
     assert versions == ["3.0", "2.0", "3.0"]
 
     assert "--fmi 4: unknown; there are 2, 3 and 2,3" in refused("export", PENDULUM, "--fmi", "4")
+    assert "--fmi 3,3: names a version twice" in refused("export", PENDULUM, "--fmi", "3,3")
     assert "one file cannot be FMI 2 and FMI 3" in refused("export", PENDULUM, "--fmi", "2,3", "-o", "a.fmu")
 
 

@@ -11,6 +11,7 @@ from test_floating_wind_turbine import adrift
 import mbdfmi
 from mbdfmi import Scene
 from mbdfmi.analysis.linear import about
+from mbdfmi.analysis.locus import locus
 
 # Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463 (2007), table 2 of the benchmark bicycle: forward speed (m/s) and
 # eigenvalues (1/s)
@@ -366,3 +367,22 @@ def test_the_barge_of_a_turbine_swings_at_the_reference_periods():
     periods = np.array([mode.period for mode in adrift().linearise([], []).modes() if mode.oscillates])
     assert np.abs(periods - 7.7991).min() < 1e-4
     assert np.abs(periods - 11.3765).min() < 1e-4
+
+
+def test_a_locus_is_about_one_kind_of_state():
+    """A rod holds torques up to its weight's: beyond, there is no equilibrium, and no root of another kind of state."""
+    body = {"rod": {"mass": 1.0, "inertia": [0.01, 1 / 12, 1 / 12], "com": [0.5, 0, 0]}}
+    joint = {"pivot": {"revolute": {}, "between": ["ground", "rod"], "input": "torque"}}
+    joint["pivot"]["start"] = {"angle": -np.pi / 2}
+    scene = Scene(name="rod", gravity=[0, -9.81, 0], body=body, joint=joint)
+    found = locus(scene, "pivot.torque", [0.0, 2.0, 4.0, 6.0])
+    stiffness = np.sqrt((9.81 / 2) ** 2 - found.values[:3] ** 2)
+    np.testing.assert_allclose(np.abs(found.eigenvalues[:3, 0].imag), np.sqrt(3 * stiffness), rtol=1e-8)
+    assert np.isnan(found.eigenvalues[3]).all()
+    assert found.notices == ["pivot.torque = 6: left out, for there is no equilibrium"]
+    assert scene.linearise().where == "the equilibrium"
+    assert scene.linearise(at="0.5").where == "0.5 s into a run"
+
+    for at in (-1, "nan", "later"):
+        with pytest.raises(ValueError, match="a number of seconds from 0 on"):
+            scene.linearise(at=at)

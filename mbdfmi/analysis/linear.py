@@ -38,7 +38,8 @@ class Linear:
         there.
     time : s. inverse_inertia : (n_speeds, n_speeds) accelerations by efforts along the velocities.
     sensitivities : derivatives by parameters, where they were asked for (`Sensitivities`), else None.
-    error : estimated relative error of the derivatives. notices : what a user should be told.
+    error : estimated relative error of the derivatives. notices : what a user should be told. where : what
+        state it is, in words.
     """
 
     A: np.ndarray
@@ -61,6 +62,7 @@ class Linear:
     notices: list[str] = field(default_factory=list)
     manifold: Manifold | None = field(default=None, repr=False)
     sensitivities: Any = None
+    where: str = ""
 
     def state_space(self):
         """The same as scipy.signal.StateSpace."""

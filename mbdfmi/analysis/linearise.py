@@ -52,8 +52,8 @@ def linearise(
         by = [*by, *([parameters] if isinstance(parameters, str) else parameters)]
         parameters = None
 
-    mechanism, notices = state_at(scene, at, hold, parameters, progress)
-    linear = about(Manifold(mechanism, axes), inputs, outputs, notices)
+    mechanism, where, notices = state_at(scene, at, hold, parameters, progress)
+    linear = replace(about(Manifold(mechanism, axes), inputs, outputs, notices), where=where)
 
     if not by:
         return linear

@@ -10,7 +10,7 @@ import scipy  # which imports its parts when they are asked for
 from ..files import check_ending, replacing
 from .linear import about
 from .manifold import AUTO, Manifold
-from .places import mechanism_of, state_at
+from .places import AT_REST, mechanism_of, state_at
 
 
 @dataclass(frozen=True)
@@ -117,14 +117,15 @@ def locus(
     progress: Callable[[str], None] | None = None,
 ) -> Locus:
     """Eigenvalues of a scene over values of a parameter or an input, by its variable's name; the others as
-    `linearise` takes them.
+    `linearise` takes them. Where there is an equilibrium for some values, those without one are left out.
     """
     values = np.asarray(values, float)
     mechanism = mechanism_of(scene, hold, parameters)
     variables = {v.name: v for v in mechanism.model.variables}
     is_input = name in variables and variables[name].causality == "input"
     every: list = []
-    notices: dict[str, None] = {}
+    places: list[str] = []
+    notices: list[list[str]] = []
 
     for k, value in enumerate(values.tolist()):
         if progress:
@@ -132,14 +133,23 @@ def locus(
 
         held = (hold or {}) | ({name: value} if is_input else {})
         changed = (parameters or {}) | ({} if is_input else {name: value})
-        found, told = state_at(scene, at, held, changed, like=mechanism)
+        found, where, told = state_at(scene, at, held, changed, like=mechanism)
         modes = about(Manifold(found, axes), [], [], told).modes()
         every.append(modes.eigenvalues[len(modes.free) :])
-        notices |= dict.fromkeys(f"{name} = {value:g}: {text}" for text in modes.linear.notices)
+        places.append(where)
+        notices.append([f"{name} = {value:g}: {text}" for text in modes.linear.notices])
+
+    # one curve is about one kind of state
+    left = [k for k, where in enumerate(places) if where != AT_REST and AT_REST in places]
+    every = [roots[:0] if k in left else roots for k, roots in enumerate(every)]
+    told = list(dict.fromkeys(text for k, texts in enumerate(notices) if k not in left for text in texts))
+    told = told if len(told) <= 4 else [*told[:3], f"and {len(told) - 3} more of this kind"]
+
+    if left:
+        some = ", ".join(f"{values[k]:g}" for k in left[:6]) + (", …" if len(left) > 6 else "")
+        told.append(f"{name} = {some}: left out, for there is no equilibrium")
 
     unit = variables[name].unit if name in variables else None
-    told = list(notices)
-    told = told if len(told) <= 4 else [*told[:3], f"and {len(told) - 3} more of this kind"]
     return Locus(name, unit, values, _followed(every), mechanism.model.title, told)
 
 

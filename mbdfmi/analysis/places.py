@@ -9,6 +9,7 @@ from ..scene import variable_name
 from .mechanism import Mechanism
 
 START, EQUILIBRIUM = "start", "equilibrium"
+AT_START, AT_REST = "the start", "the equilibrium"
 
 # speeds below that part of 1 rad/s, or of the scene's length in a second, are none
 NO_SPEED = 1e-12
@@ -36,27 +37,27 @@ def mechanism_of(scene, hold=None, parameters=None, time=0.0, like=None):
 
 
 def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=None):
-    """(the mechanism in a state, what is to be told of it), see `linearise`; like : one of the scene."""
+    """(the mechanism in a state, where that is in words, what is to be told of it), see `linearise`.
+
+    like : a mechanism of the scene.
+    """
     from .equilibrium import NoEquilibrium, settle
 
     tell = progress or (lambda text: None)
 
     if at not in (None, START, EQUILIBRIUM):
-        time = float(numbers(at, f'at = {at!r}: "{START}", "{EQUILIBRIUM}" or a time, which', ()))
+        time = _time(at)
         mechanism = mechanism_of(scene, hold, parameters, like=like)
-
-        if time < 0.0:
-            raise ValueError(f"at = {time:g}: a run starts at 0 s")
 
         tell(f"running to {time:g} s")
         mechanism.instance.step(time)
-        return mechanism, list(mechanism.instance.notices)
+        return mechanism, f"{time:g} s into a run", list(mechanism.instance.notices)
 
     mechanism = mechanism_of(scene, hold, parameters, like=like)
     notices = list(mechanism.instance.notices)
 
     if at == START or (at is None and not rests(mechanism)):
-        return mechanism, notices
+        return mechanism, AT_START, notices
 
     tell("looking for the equilibrium")
 
@@ -66,12 +67,24 @@ def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=Non
         if at == EQUILIBRIUM:
             raise
 
-        return mechanism.again(parameters, mechanism.held), [
-            *notices,
-            f"{error}; this is about the start",
-        ]
+        told = [*notices, f"{error}; this is about the start"]
+        return mechanism.again(parameters, mechanism.held), AT_START, told
 
-    return mechanism, notices
+    return mechanism, AT_REST, notices
+
+
+def _time(at):
+    """s, of a time that is told as a number or in text. Raises ValueError."""
+    try:
+        time = float(at)
+    except (TypeError, ValueError):
+        time = np.nan
+
+    if not 0.0 <= time < np.inf:
+        words = f'"{START}", "{EQUILIBRIUM}", or a time of a run, a number of seconds from 0 on'
+        raise ValueError(f"at = {at!r}: {words}")
+
+    return time
 
 
 def rests(mechanism):

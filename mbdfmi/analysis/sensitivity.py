@@ -63,7 +63,7 @@ def sensitivities(scene, names, outputs, at, axes, hold, parameters, linear) -> 
 
         def see(h, name=name, value=value):
             changed = (parameters or {}) | {name: value + h}
-            found, _ = state_at(scene, at, hold, changed, like=mechanism)
+            found, _, _ = state_at(scene, at, hold, changed, like=mechanism)
             manifold = Manifold(found, axes)
             model = about(manifold, [], outputs)
             roots = np.array([mode.eigenvalue for mode in model.modes()], complex)

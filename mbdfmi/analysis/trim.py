@@ -160,7 +160,9 @@ class _Search:
 
         for name in self.keep:
             if name not in outputs:
-                raise KeyError(f"keep: no output {name!r}; {hint(name, outputs)}")
+                several = meant(name, outputs)
+                more = f"it is an array, name one of {listed(several)}" if several else hint(name, outputs)
+                raise KeyError(f"keep: no output {name!r}; {more}")
 
         self.y_at = [outputs[name] for name in self.keep]
         self.y_wanted = np.array(list(self.keep.values()))

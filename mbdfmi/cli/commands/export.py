@@ -128,7 +128,10 @@ def _versions(given):
         if word not in ("2", "3"):
             raise ValueError(f"--fmi {given}: unknown; there are 2, 3 and 2,3")
 
-    return sorted({int(word) for word in words})
+    if len(set(words)) < len(words):
+        raise ValueError(f"--fmi {given}: names a version twice; there are 2, 3 and 2,3")
+
+    return sorted(int(word) for word in words)
 
 
 def _is_one_file(target, files, versions):

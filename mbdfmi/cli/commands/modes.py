@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import check_looks, load_scene, view_file, writable
 from ..settings import settings_of
 from ..tables import print_table, table_of
-from ..terminal import doing_here, note, out
+from ..terminal import doing_here, err, note, out
 
 MOST_ROWS = 60
 
@@ -119,6 +120,7 @@ def run(options):
         linear = scene.linearise(wanted, wanted, options.at, by=options.by, progress=tell, **asked)
         modes = linear.modes()
 
+    out.print(f"about {linear.where}")
     _print(modes)
 
     if options.by:
@@ -169,12 +171,13 @@ def _over(scene, over, at, asked, plot, csv):
         found = locus(scene, name, values, at, progress=tell, **asked)
 
     note(found.notices)
+    say = err if csv and to_standard_output(csv) else out
 
     if plot:
-        out.print(str(found.plot(plot)), soft_wrap=True)
+        say.print(str(found.plot(plot)), soft_wrap=True)
 
     if csv:
-        out.print(str(found.to_csv(csv)), soft_wrap=True)
+        say.print(str(found.to_csv(csv)), soft_wrap=True)
 
     if not (plot or csv):
         table = table_of(name, "eigenvalues, 1/s", numbers=(name,))
@@ -185,7 +188,7 @@ def _over(scene, over, at, asked, plot, csv):
         print_table(table)
 
     for value, root in found.crossings():
-        out.print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * np.pi):.4g} Hz")
+        say.print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * np.pi):.4g} Hz")
 
 
 def _complex(value):
