@@ -91,7 +91,7 @@ def test_the_header_follows_the_table(monkeypatch):
 def test_another_header_makes_another_library(monkeypatch, tmp_path):
     monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
     monkeypatch.setattr(aot, "compile_kernels", lambda: ["", ""])
-    monkeypatch.setattr(link, "_link", lambda platform, kernels, file: file.write_bytes(b"library"))
+    monkeypatch.setattr(link, "link", lambda platform, kernels, file: file.write_bytes(b"library"))
     first = link.library("x86_64-linux")
     assert link.library("x86_64-linux") == first
     text = header.layout_header()
@@ -105,14 +105,17 @@ def test_no_place_is_written_by_hand():
         assert not re.findall(r"\b(?:ints|reals|state|work)\[\d+\]", path.read_text()), path.name
 
 
-def test_a_file_for_each_version_alone_speaks_fmi():
-    """A version of FMI is a file over what all share."""
-    speaking = [
-        path.name
+def test_files_of_a_version_alone_speak_its_fmi():
+    """A version of FMI is a few files, named by it, over what all share."""
+    spoken = {
+        path.name: set(
+            re.findall(r"\bfmi\d(?=\w)", re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL))
+        )
         for path in C_SOURCES
-        if re.search(r"\bfmi\d\w", re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.DOTALL))
-    ]
-    assert speaking == ["fmi2.c", "fmi3.c"]
+    }
+    named = {name: set(re.findall(r"^fmi\d", name)) for name in spoken}
+    assert spoken == named
+    assert {version for versions in named.values() for version in versions} == {"fmi2", "fmi3"}
 
 
 # arrays of a resource file

@@ -16,6 +16,7 @@ from mbdfmi.kernels.dynamics import articulated, rates
 from mbdfmi.kernels.language import INTERPRETED, JIT
 from mbdfmi.native import library
 from mbdfmi.native.platforms import host_platform
+from mbdfmi.native.sources import source_hash
 from mbdfmi.run.instance import Instance
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -49,7 +50,15 @@ def test_kernels_are_what_python_makes_of_them(instance, kernel, arguments):
 
 
 @in_library
-def test_an_fmu_carries_the_library_of_this_process():
+def test_an_fmu_carries_the_library_of_this_process(monkeypatch, tmp_path):
+    """In a cache where another wrapper has left a library of the same kernels."""
+    made = link.library(host_platform())
+    monkeypatch.setenv("MBDFMI_CACHE", str(tmp_path))
+    (tmp_path / "fmu").mkdir()
+    old = tmp_path / "fmu" / f"{source_hash()}-0-{host_platform()}{made.suffix}"
+    old.write_bytes(b"of another wrapper")
+    os.utime(old, (0, 0))
+    (tmp_path / "fmu" / made.name).write_bytes(made.read_bytes())
     assert link.library(host_platform()).read_bytes() == library.ready().read_bytes()
     assert set(library.addresses()) >= set(entry.ENTRIES)
 
@@ -131,7 +140,7 @@ def test_two_that_want_it_at_once_make_it_once(monkeypatch, tmp_path):
 
     halves = link.aot.HALVES * ["; a module\n"]
     monkeypatch.setattr(link.aot, "compile_kernels", lambda: made.append("kernels") or halves)
-    first, second = _at_once(lambda: link._kernels(lambda text: None))
+    first, second = _at_once(lambda: link.kernels(lambda text: None))
     assert first == second and [path.read_text() for path in first] == halves
     assert made[1:] == ["kernels"]
 

@@ -430,6 +430,11 @@ def test_a_run_of_an_fmu_by_fmpy_can_be_drawn(tmp_path):
     assert results.view(tmp_path / "a.html").stat().st_size > 100_000
     with pytest.raises(ValueError, match="another scene"):
         load("pendulum").recorder().keep(recorder._kept[0])
+    for damaged in (b"", recorder._kept[0][:60], recorder._kept[0][8:]):
+        with pytest.raises(ValueError, match="no state of an FMU"):
+            recorder.keep(damaged)
+    with pytest.raises(ValueError, match="has format 2.*export the FMU anew"):
+        recorder.keep(recorder._kept[0][:16] + b"\2" + recorder._kept[0][17:])
 
 
 def test_states_of_long_runs_of_many_bodies_are_small():

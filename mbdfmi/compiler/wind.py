@@ -1,7 +1,7 @@
 """Wind, and rotors in it."""
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
+import scipy  # which imports its parts when they are asked for
 
 from ..kernels import outputs
 from ..scene import Problem, SceneError
@@ -106,7 +106,7 @@ def _cells(ratio, pitch, thrust, torque):
     found = []
 
     for table in (thrust, torque):
-        spline = RectBivariateSpline(ratio, pitch, table, kx=3, ky=3, s=0)
+        spline = scipy.interpolate.RectBivariateSpline(ratio, pitch, table, kx=3, ky=3, s=0)
         f = np.array(
             [[spline(*axes, dx=i, dy=j) * steps[0] ** i * steps[1] ** j for j in (0, 1)] for i in (0, 1)]
         )

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy  # which imports its parts when they are asked for
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
@@ -84,15 +84,15 @@ class Coefficients:
         inside = np.clip(omega, self.wave_omega[0], self.wave_omega[-1])
 
         if len(headings) == 1:
-            return CubicSpline(self.wave_omega, values[:, 0])(inside)
+            return scipy.interpolate.CubicSpline(self.wave_omega, values[:, 0])(inside)
 
         found = np.empty((len(inside), 6), complex)
-        spline = CubicSpline(self.wave_omega, values)
+        spline = scipy.interpolate.CubicSpline(self.wave_omega, values)
 
         for h in np.unique(heading):
             at = heading == h
             found[at] = (
-                CubicSpline(headings, spline(inside[at]), axis=1)(h)
+                scipy.interpolate.CubicSpline(headings, spline(inside[at]), axis=1)(h)
                 if len(headings) > 3
                 else np.stack(
                     [[np.interp(h, headings, part) for part in row.T] for row in spline(inside[at])]

@@ -8,9 +8,7 @@ passive. The order grows until both parts of H are met.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
-from scipy.linalg import logm, null_space
-from scipy.optimize import nnls
+import scipy  # which imports its parts when they are asked for
 
 from .database import DOFS, Coefficients
 
@@ -72,7 +70,7 @@ class Kernel:
         inside = self.omega <= self.top
         self.B = np.zeros((len(self.omega), 6, 6))
         known = np.concatenate([[0.0], omega])
-        self.B[inside] = PchipInterpolator(known, np.concatenate([np.zeros((1, 6, 6)), B]))(
+        self.B[inside] = scipy.interpolate.PchipInterpolator(known, np.concatenate([np.zeros((1, 6, 6)), B]))(
             self.omega[inside]
         )
         self.B[~inside] = B[-1] * (self.top / self.omega[~inside, None, None]) ** 3
@@ -91,7 +89,7 @@ class Kernel:
     def added(self, omega):
         """(n, 6, 6): A - A_inf at frequencies w: 2 / pi int (B(u) - B(w)) / (u^2 - w^2) du."""
         found = np.empty((len(omega), 6, 6))
-        spline = CubicSpline(self.omega, self.B)
+        spline = scipy.interpolate.CubicSpline(self.omega, self.B)
         middles = (self.omega[1:] + self.omega[:-1]) / 2
         B = spline(middles)
         end = self.omega[-1]
@@ -113,7 +111,7 @@ class Kernel:
     def response(self, omega):
         """(n, 6, 6) complex: H = B + i omega (A - A_inf)."""
         w = np.asarray(omega)[:, None, None]
-        return CubicSpline(self.omega, self.B)(omega) + 1j * w * self.added(omega)
+        return scipy.interpolate.CubicSpline(self.omega, self.B)(omega) + 1j * w * self.added(omega)
 
 
 def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
@@ -205,7 +203,7 @@ class _Kung:
         root = np.sqrt(self.s[:n])
         O = self.U[:, :n] * root
         step = np.linalg.lstsq(O[: -self.m], O[self.m :], rcond=None)[0]
-        A, source = logm(step) / self.step, (root[:, None] * self.V[:n])[:, : self.m]
+        A, source = scipy.linalg.logm(step) / self.step, (root[:, None] * self.V[:n])[:, : self.m]
         values, vectors = np.linalg.eig(A)
         modal = np.linalg.solve(vectors, source.astype(complex))
         blocks, rows = [], []
@@ -249,7 +247,7 @@ def _sinks(A, B, omega, H, top):
             row[i], row[j] = B[:, j], -B[:, i]
             swaps.append(row.ravel())
 
-    free = null_space(np.vstack([still, *swaps]) if swaps else still)
+    free = scipy.linalg.null_space(np.vstack([still, *swaps]) if swaps else still)
     reduced = wide @ free
     solution = np.linalg.lstsq(reduced, target, rcond=None)[0]
     solution = _made_passive(solution, reduced, free, A, B, peak, top)
@@ -289,7 +287,9 @@ def _made_passive(solution, reduced, free, A, B, peak, top):
         # least |triangle (x - start)| under rows x >= 0, Lawson and Hanson's LDP
         G = np.array(rows) @ inverse
         h = PASSIVE / 2 - np.array(rows) @ start
-        u, _ = nnls(np.vstack([G.T, h]), np.r_[np.zeros(G.shape[1]), 1.0], maxiter=50 * len(h) + 500)
+        u, _ = scipy.optimize.nnls(
+            np.vstack([G.T, h]), np.r_[np.zeros(G.shape[1]), 1.0], maxiter=50 * len(h) + 500
+        )
         r = np.vstack([G.T, h]) @ u - np.r_[np.zeros(G.shape[1]), 1.0]
 
         if abs(r[-1]) < 1e-14:

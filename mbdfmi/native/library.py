@@ -42,10 +42,18 @@ def folders() -> tuple[Path, Path]:
 
 
 def find() -> Path | None:
-    """A library of these kernels for this machine, or None."""
+    """A library of these kernels for this machine, or None.
+
+    Of those that a checkout has made with one wrapper after another it is the newest.
+    """
     platform = host_platform()
     name = f"{source_hash()}-*-{platform}{PLATFORMS[platform].suffix}"
-    return next((path for folder in folders() for path in sorted(folder.glob(name))), None)
+
+    for folder in folders():
+        if found := list(folder.glob(name)):
+            return max(found, key=lambda path: path.stat().st_mtime_ns)
+
+    return None
 
 
 def ready(tell: Callable[[str], None] | None = None) -> Path:

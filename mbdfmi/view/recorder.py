@@ -10,10 +10,11 @@ from ..run.instance import Instance
 from ..run.states import States
 from .show import Run
 
-MAGIC = b"mbdfmi\0S"
-
-# where sizes and the GUID stand in a serialised state (fmu_src/snapshot.c); its numbers are its end
-SIZES, GUID = 16, 40
+# a serialised state (fmu_src/snapshot.c): how it begins, its format, where that, sizes and GUID stand; its
+# numbers are its end
+MAGIC = bytes(8) + b"mbdfmi\0S"
+VERSION = 3
+FORMAT, SIZES, GUID = 16, 24, 48
 
 
 class Recorder:
@@ -45,8 +46,10 @@ class Recorder:
         sizes = len(model.reals), model.n_state, model.n_u
         guid = snapshot[GUID : GUID + len(model.guid)]
 
-        if not snapshot.startswith(MAGIC):
+        if not snapshot.startswith(MAGIC) or len(snapshot) < GUID + 8 * sum(sizes):
             raise ValueError("this is no state of an FMU made by mbdfmi")
+        if (found := struct.unpack_from("<I", snapshot, FORMAT)[0]) != VERSION:
+            raise ValueError(f"the state has format {found}, {VERSION} is read here: export the FMU anew")
         if guid != model.guid.encode() or struct.unpack_from("<3q", snapshot, SIZES) != sizes:
             raise ValueError(
                 f"the state is of the FMU {guid.decode(errors='replace')}, the scene makes {model.guid}: "

@@ -1,6 +1,6 @@
 """mbdfmi equilibrium: where a scene comes to rest."""
 
-import numpy as np
+import math
 
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import check_looks, load_scene, view_file, writable
@@ -111,7 +111,7 @@ def _print(found, scene, whole):
     for name, value in found.coordinates.items():
         unit = found.units.get(name) or ""
         table.add_row(
-            name, f"{value + 0.0:.9g}", unit, f"{np.degrees(value) + 0.0:.6g}" if unit == "rad" else ""
+            name, f"{value + 0.0:.9g}", unit, f"{math.degrees(value) + 0.0:.6g}" if unit == "rad" else ""
         )
 
     print_table(table)
@@ -130,7 +130,7 @@ def _print(found, scene, whole):
 
     if found.reactions:
         table = table_of("reaction of", "force, N", "moment, N m")
-        size = max(np.abs(force).max() for force, *_ in found.reactions.values())
+        size = max(abs(value) for force, *_ in found.reactions.values() for value in force)
 
         for name, (force, *rest) in found.reactions.items():
             moment = _rounded(rest[0], size) if rest else ""
@@ -151,4 +151,5 @@ def _print(found, scene, whole):
 
 
 def _rounded(values, size):
-    return vector(np.where(np.abs(values) < 1e-12 * size, 0.0, values))
+    """A vector whose rounding is 0."""
+    return vector([0.0 if abs(value) < 1e-12 * size else value for value in values])

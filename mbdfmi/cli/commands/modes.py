@@ -1,6 +1,6 @@
 """mbdfmi modes: frequencies, damping, shapes of small motions."""
 
-import numpy as np
+import math
 
 from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
@@ -132,6 +132,8 @@ def run(options):
         out.print(str(linear.save(output)), soft_wrap=True)
 
     if plot:
+        import numpy as np
+
         from ...analysis.locus import Locus
 
         values = modes.eigenvalues[len(modes.free) :]
@@ -147,6 +149,8 @@ def run(options):
 
 def _range(text):
     """(name, values) of NAME=A:B:N."""
+    import numpy as np
+
     name, _, numbers = text.rpartition("=")
 
     try:
@@ -188,7 +192,7 @@ def _over(scene, over, at, asked, plot, csv):
         print_table(table)
 
     for value, root in found.crossings():
-        say.print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * np.pi):.4g} Hz")
+        say.print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * math.pi):.4g} Hz")
 
 
 def _complex(value):
@@ -245,7 +249,7 @@ def _motion(modes, mode):
     """The coordinates that move most, those apart that are only led along."""
     manifold, led = modes.linear.manifold, set(modes.free)
     own = [k for k, named in enumerate(manifold.named) if named.position not in led]
-    sizes = np.abs(mode.shape) / manifold.unit
+    sizes = abs(mode.shape) / manifold.unit
     most = sizes[own].max(initial=0.0)
     order = [k for k in sorted(own, key=lambda k: -sizes[k]) if sizes[k] >= 0.3 * most][:SHARES]
     return ", ".join(manifold.named[k].position for k in order)
