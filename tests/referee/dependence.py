@@ -79,6 +79,7 @@ def told(model):
             )
 
     n_u = len(model.of_causality("input"))
+    states = {k for k, v in enumerate(model.listed) if v.causality == "state"}
     parameters = set(range(n_u + len(model.of_causality("output")), len(model.variables)))
 
     for section, more in (("Outputs", set()), ("InitialUnknowns", parameters)):
@@ -93,8 +94,15 @@ def told(model):
                 continue
 
             expected = {*v.depends, *more, *(v.led_by if section == "Outputs" else ())}
+            text = unknowns[k]
 
-            if unknowns[k] is not None and {int(i) - 1 for i in unknowns[k].split()} != expected:
-                wrong(v.name, f"{section}: depends on {unknowns[k]!r}; the model: {sorted(expected)}")
+            # all that is known; at the start that may stand for a list that is too long
+            if text is None and section == "InitialUnknowns":
+                continue
+
+            found_here = {*range(n_u), *states} if text is None else {int(i) - 1 for i in text.split()}
+
+            if found_here != expected:
+                wrong(v.name, f"{section}: depends on {text!r}; the model: {sorted(expected)}")
 
     return found

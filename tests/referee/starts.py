@@ -145,7 +145,7 @@ def checked(scene, path):
     said = io.StringIO()
 
     try:
-        wanted = Instance(compile_scene(Scene.model_validate(tomllib.loads(scene.to_toml())))).notices
+        wanted = Instance(Scene.model_validate(tomllib.loads(scene.to_toml())).compile()).notices
     except (SceneError, SimulationError):
         wanted = None
 

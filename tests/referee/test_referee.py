@@ -473,9 +473,11 @@ def test_a_dependence_that_is_not_declared():
 @pytest.mark.parametrize(
     "old, new",
     [
-        (b'unit="m/s2"', b'unit="m/s"'),
+        (b'<Real declaredType="Acceleration" unit="m/s2"', b'<Real declaredType="Acceleration" unit="m/s"'),
         (b'name="slide.speed"', b'name="slide.rate"'),
-        (b'dependencies="1 190', b'dependencies="190'),
+        (b'dependencies="190 191', b'dependencies="191'),
+        (b'<Unknown index="4"/>', b'<Unknown index="4" dependencies="190 191"/>'),
+        (b'<Unknown index="2" dependencies="190 191 192 193 194 195 196 197 198"/>', b'<Unknown index="2"/>'),
     ],
 )
 def test_a_description_that_is_not_the_models(monkeypatch, old, new):

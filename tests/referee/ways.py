@@ -23,7 +23,7 @@ from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import SceneError, fmi_name
 
-from .masters import tease
+from .masters import forget_work, tease
 from .plan import N_DERIVATIVE, dice, pieces
 from .telling import all_told
 
@@ -414,7 +414,7 @@ class _Process:
 
         # as the FMU does: the parameters are prepared, and nothing of the work array counts
         self.instance._prepared = self.instance.reals.tobytes()
-        self.instance.d.work_buffer[0] = 0.0
+        forget_work(self.instance.d)
 
     def moved(self):
         """Another instance that goes on from here."""

@@ -166,11 +166,13 @@ class Load:
         return self.parts[0](t), self.parts[1](t)
 
 
-def element(given, name, force, sea):
-    """The element of a force's table. sea : the scene's table of that, maybe empty."""
+def element(given, name, force, sea, end):
+    """The element of a force's table. sea : the scene's table of that, maybe empty. end : (owner, position, axes) of an end by name."""
     if "load" in force:
         return Load(given, name, force)
-    for key, cls in (("hydrostatics", Hull), ("catenary", Line), ("member", Member)):
+    if "catenary" in force:
+        return Line(given, name, force, sea, end(force["between"][0]))
+    for key, cls in (("hydrostatics", Hull), ("member", Member)):
         if key in force:
             return cls(given, name, force, sea)
 

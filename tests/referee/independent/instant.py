@@ -5,7 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from .equations import SIX
 from .joints import is_turned_over
-from .motion import rotation_of_zyx
+from .motion import rotation_of_zyx, turning_axes, zyx
 from .reading import axis, cross, dotted, listed, si
 
 # singular values of the scaled system below this part of the largest are none
@@ -507,13 +507,20 @@ class Instant:
         """(residuals, rates of these, accelerations that are asked for) of a joint whose pose is prescribed, of place and turn."""
         (r1, A1, *_), (r2, A2, *_) = (self.frame(end) for end in joint.ends)
         d, R = A1.T @ (r2 - r1), A1.T @ A2
+        begun, nothing = self.system.started["time"], [None] * 3
         here, rates = self.hints(joint.name, "zyx"), self.hints(joint.name, "zyx_rate")
+
+        # a body of that name tells its own
+        if here is not None and joint.name in self.system.bodies:
+            here = zyx(R, None)
+            x, *_ = joint.asked(self.t, begun, self.inputs, [[*d, *here], [*slip[:3], *nothing], 2 * nothing])
+            rates = np.linalg.lstsq(turning_axes(x[3:]), slip[3:], rcond=None)[0]
+
         seen = [
-            [*d, *([None] * 3 if here is None else here)],
-            [*slip[:3], *([None] * 3 if rates is None else rates)],
-            [None] * 6,
+            [*d, *(nothing if here is None else here)],
+            [*slip[:3], *(nothing if rates is None else rates)],
         ]
-        x, speed, acceleration = joint.asked(self.t, self.system.started["time"], self.inputs, seen)
+        x, speed, acceleration = joint.asked(self.t, begun, self.inputs, [*seen, 2 * nothing])
         self.turned[joint.name] = x[3:]
         E, w, alpha = rotation_of_zyx(x[3:], speed[3:], acceleration[3:])
         residual = np.concatenate([d - x[:3], Rotation.from_matrix(E.T @ R).as_rotvec()])

@@ -8,11 +8,12 @@ from .reading import cross
 
 
 class Line:
-    """An elastic line between two frames. density : of the water (kg/m3)."""
+    """An elastic line between two frames. sea : the scene's table of that, maybe empty. anchor : (owner, position, axes) of the
+    first end."""
 
     kind = "catenary"
 
-    def __init__(self, given, name, force, sea):
+    def __init__(self, given, name, force, sea, anchor):
         spec = force["catenary"]
         self.name, self.ends = name, force["between"]
         displaced = sea.get("density", 1025.0) * np.pi * spec.get("diameter", 0.0) ** 2 / 4
@@ -22,7 +23,8 @@ class Line:
         self.bed = spec.get("bed")
 
         if self.bed is None:
-            self.bed = self.ends[0].split(".")[0] in ("ground", "inertial")
+            (owner, position, _), depth = anchor, sea.get("depth")
+            self.bed = owner in ("ground", "inertial") and (not depth or position[2] < -0.99 * depth)
 
     def reach(self, w, H, V):
         """(x, z) of the ends at a pull."""

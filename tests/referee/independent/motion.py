@@ -194,6 +194,30 @@ def rotation_of_zyx(angles, rates, seconds):
     return A, w, alpha
 
 
+def turning_axes(angles):
+    """(3, 3): the axes about which yaw, pitch and roll turn, by column."""
+    yawed, pitched = (rotation_of_zyx([*angles[:k], *[0.0] * (3 - k)], *np.zeros((2, 3)))[0] for k in (1, 2))
+    return np.column_stack([[0, 0, 1], yawed[:, 1], pitched[:, 0]])
+
+
+def zyx(A, near):
+    """Yaw, pitch, roll of A = Rz Ry Rx from -pi to pi, of which either may be told:
+    the one nearer to the hint."""
+    angles = [
+        np.arctan2(A[1, 0], A[0, 0]),
+        np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])),
+        np.arctan2(A[2, 1], A[2, 2]),
+    ]
+
+    if near is not None:
+        angles = [
+            a + 2 * np.pi * np.round((b - a) / (2 * np.pi)) if abs(b) < 3.2 else a
+            for a, b in zip(angles, near)
+        ]
+
+    return np.array(angles)
+
+
 class Ground:
     """The motion of the ground in the inertial frame: (r, A, v, w, a, alpha) at a time."""
 

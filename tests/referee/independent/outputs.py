@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .motion import rotation_of_zyx
+from .motion import turning_axes, zyx
 from .reading import cross, dotted
 
 # by how much what is told may change along what the equations leave open, as a part of its size
@@ -92,34 +92,10 @@ class Motions:
         return A1.T @ d, A1.T @ A2, A1.T @ v, A1.T @ (w2 - w1), A1.T @ a, A1.T @ alpha
 
 
-def zyx(A, near):
-    """Yaw, pitch, roll of A = Rz Ry Rx from -pi to pi, of which either may be told:
-    the one nearer to the hint."""
-    angles = [
-        np.arctan2(A[1, 0], A[0, 0]),
-        np.arctan2(-A[2, 0], np.hypot(A[0, 0], A[1, 0])),
-        np.arctan2(A[2, 1], A[2, 2]),
-    ]
-
-    if near is not None:
-        angles = [
-            a + 2 * np.pi * np.round((b - a) / (2 * np.pi)) if abs(b) < 3.2 else a
-            for a, b in zip(angles, near)
-        ]
-
-    return np.array(angles)
-
-
 def zyx_rate(A, w):
     """Their rates: w = yaw' z + pitch' y after the yaw + roll' x of the frame."""
     yaw = np.arctan2(A[1, 0], A[0, 0])
     return np.linalg.solve(np.column_stack([[0, 0, 1], [-np.sin(yaw), np.cos(yaw), 0], A[:, 0]]), w)
-
-
-def turning_axes(angles):
-    """(3, 3): the axes about which yaw, pitch and roll turn, by column."""
-    yawed, pitched = (rotation_of_zyx([*angles[:k], *[0.0] * (3 - k)], *np.zeros((2, 3)))[0] for k in (1, 2))
-    return np.column_stack([[0, 0, 1], yawed[:, 1], pitched[:, 0]])
 
 
 def euler_parameters(A, hint):

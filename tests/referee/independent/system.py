@@ -137,7 +137,7 @@ class System:
         self.couplings = {name: Coupling(name, table) for name, table in data.get("coupling", {}).items()}
         sea = data.get("sea") or {}
         self.elements = {
-            name: element(given, name, table, sea) for name, table in data.get("force", {}).items()
+            name: element(given, name, table, sea, self.end) for name, table in data.get("force", {}).items()
         }
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
