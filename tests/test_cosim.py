@@ -1,5 +1,8 @@
 """The master, on a small FMU of ours and one by PythonFMU."""
 
+from pathlib import Path
+
+import fmpy
 import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
@@ -78,6 +81,17 @@ def test_order_decides_what_is_known(fmus):
 def test_an_array_feeds_an_array(fmus):
     with pytest.raises(CouplingError, match="sledge.sledge.position has 3 components, ramp.position has 1"):
         couple(fmus, [("sledge.sledge.position", "ramp.position")], 1, 0.1)
+
+
+def test_what_an_fmu_logs_is_told_of_it_and_no_run_of_fmpy_is_harmed(fmus, tmp_path, capsys):
+    """FMPy formats messages for one logger only, that of the FMU made last, wherever it has gone."""
+    cam = mbdfmi.load(Path(__file__).parents[1] / "models/cam_follower.toml").export(tmp_path / "cam.fmu")
+    run = couple({"cam": cam, **fmus}, PUSH, 0.02, 0.01)
+    assert [text.split()[0] for text in run.notices if "0.0420" in text] == ["cam:"]
+
+    capsys.readouterr()
+    fmpy.simulate_fmu(str(cam), stop_time=0.02, output_interval=0.01)
+    assert "taken as 0.0420" in capsys.readouterr().out
 
 
 def test_a_failing_fmu_is_named(fmus):

@@ -1,7 +1,6 @@
 """Linear models and modes against closed forms, published digits and runs."""
 
 import importlib.util
-import time
 
 import numpy as np
 import pytest
@@ -201,19 +200,15 @@ def test_beads_on_a_thread_swing_as_laguerres_polynomials_have_it():
     assert np.abs(2 * np.pi * beads(12).linearise([], []).modes().frequencies / right - 1).max() < 1e-11
 
 
-def test_modes_of_a_chain_of_256_take_no_time():
-    scene = beads(256)
-    manifold = scene.linearise([], []).manifold
-    times = []
-
-    for _ in range(3):
-        start = time.thread_time()
-        modes = about(manifold, [], []).modes()
-        times.append(time.thread_time() - start)
-
+def test_modes_of_a_chain_of_256_take_few_evaluations(monkeypatch):
+    manifold = beads(256).linearise([], []).manifold
+    evaluate, done = manifold.accelerations, []
+    monkeypatch.setattr(manifold, "accelerations", lambda: done.append(1) or evaluate())
+    modes = about(manifold, [], []).modes()
     right = np.sqrt(9.81 * scipy.special.roots_laguerre(256)[0])
     assert np.abs(2 * np.pi * modes.frequencies / right - 1).max() < 1e-7
-    assert min(times) < 1.0  # 0.3 s on an idle core
+    # by places at order 8, by speeds a look whether that is even
+    assert len(done) <= 1 + (8 + 2) * 256
 
 
 def test_matrices_of_a_pendulum_are_the_closed_form(tmp_path):

@@ -102,12 +102,13 @@ def test_what_a_pendulum_has_no_use_for_is_not_in_its_library(integrator, most, 
     assert zipped(libraries("pendulum", integrator)[1], tmp_path) < most
 
 
-def test_an_FMU_of_it_is_the_same_and_says_how_often_it_was_of_use(tmp_path):
+def test_an_FMU_of_it_is_the_same_and_says_how_often_it_was_of_use(tmp_path, fmpy_log):
+    told, logger = fmpy_log
     runs, texts = [], []
 
     for specialised in (False, True):
         path = scene("pendulum", "rk4").export(tmp_path / f"{specialised}.fmu", specialise=specialised)
-        told = []
+        told.clear()
         runs.append(
             fmpy.simulate_fmu(
                 str(path),
@@ -115,7 +116,7 @@ def test_an_FMU_of_it_is_the_same_and_says_how_often_it_was_of_use(tmp_path):
                 output_interval=0.05,
                 fmi_type="CoSimulation",
                 debug_logging=True,
-                logger=lambda *message, told=told: told.append(message[-1].decode()),
+                logger=logger,
             )
         )
         texts.append("\n".join(told))
@@ -124,7 +125,8 @@ def test_an_FMU_of_it_is_the_same_and_says_how_often_it_was_of_use(tmp_path):
     assert "evaluations 0 were left" in texts[1] and "were left" not in texts[0]
 
 
-def test_the_library_of_another_scene_is_refused(tmp_path):
+def test_the_library_of_another_scene_is_refused(tmp_path, fmpy_log):
+    told, logger = fmpy_log
     path = scene("pendulum", "rk4").export(tmp_path / "own.fmu", specialise=True)
     other = scene("two_link_arm", "rk4").export(tmp_path / "other.fmu")
     mixed = tmp_path / "mixed.fmu"
@@ -135,10 +137,8 @@ def test_the_library_of_another_scene_is_refused(tmp_path):
         for name in rest.namelist():
             archive.writestr(name, library if name.startswith("binaries/") else rest.read(name))
 
-    told = []
-
     with pytest.raises(Exception, match=r"instantiate|Instantiate"):
-        fmpy.simulate_fmu(str(mixed), logger=lambda *message: told.append(message[-1].decode()))
+        fmpy.simulate_fmu(str(mixed), logger=logger)
 
     assert any("the library is of one scene" in text for text in told)
 

@@ -20,7 +20,11 @@ from mbdfmi.trace.graph import Graph, Untraceable
 from mbdfmi.trace.plain import Kernels
 from tests import model_files
 
-SCENES = [path for path in model_files.SCENES if "[body" in path.read_text(encoding="utf-8")]
+# the forces of waves on large bodies are kept from one evaluation to the next: no straight-line code does that
+WAVES = next(path for path in model_files.SCENES if path.stem == "turbine_at_sea")
+SCENES = [
+    path for path in model_files.SCENES if "[body" in path.read_text(encoding="utf-8") and path != WAVES
+]
 names = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 
 
@@ -129,7 +133,8 @@ def test_traced_compiled_and_interpreted_kernels_give_the_same_bits(path, traced
             assert ends[0].tobytes() == ends[1].tobytes() == ends[2].tobytes()
             compared += 1
 
-    assert compared >= 10
+    # a hull further off has other panels in the water: the generic kernel's
+    assert compared >= (4 if path.stem == "floating_crane" else 10)
 
 
 @names
@@ -290,6 +295,11 @@ def test_what_work_arrays_hold_from_before_is_not_taken_for_known():
 
     with pytest.raises(Untraceable, match="work"):
         specialise.trace_rates(instance)
+
+
+def test_what_is_kept_in_turn_is_told_to_be_beyond_a_trace():
+    with pytest.raises(Untraceable, match="kept in turn"):
+        specialise.trace_rates(moved(WAVES))
 
 
 def test_where_a_branch_goes_otherwise_the_generic_kernel_is_called(traced):

@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from weakref import WeakValueDictionary
 
 from fmpy import calloc, free
 from fmpy.fmi2 import (
@@ -14,6 +15,7 @@ from fmpy.fmi2 import (
     fmi2CallbackFreeMemoryTYPE,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
+    printLogMessage,
 )
 
 from .errors import CouplingError, Discarded, Ended
@@ -22,6 +24,25 @@ from .slave import DISCARD, WARNING, Slave
 
 CO_SIMULATION = 1
 LAST_SUCCESSFUL_TIME, TERMINATED = 2, 3
+
+_slaves: WeakValueDictionary[int, Slave2] = WeakValueDictionary()
+"""Environment that an FMU passes with what it logs -> the slave."""
+
+
+@fmi2CallbackLoggerTYPE
+def _hear(environment, name, status, category, message):
+    """What any FMU logs, for the slave that it is of.
+
+    FMPy formats what FMUs pass as variadic arguments, but keeps one logger for all: the last one, even after
+    it is gone, and for its own runs too. So this is the only one, for good.
+    """
+    named = (slave for slave in list(_slaves.values()) if slave.name.encode() == name)
+    slave = _slaves.get(environment) or next(named, None)
+
+    if slave:
+        slave.heard(status, category, message)
+    else:
+        printLogMessage(environment, name, status, category, message)
 
 
 class Slave2(Slave):
@@ -33,14 +54,13 @@ class Slave2(Slave):
 
     def _instantiate(self, logging):
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(
-            lambda _environment, _name, status, category, message: self.heard(status, category, message)
-        )
+        callbacks.logger = _hear
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        # which formats what the FMU passes as variadic arguments
+        callbacks.componentEnvironment = id(self)
         addLoggerProxy(ctypes.byref(callbacks))
         self._callbacks = callbacks
+        _slaves[id(self)] = self
 
         instantiate = self.function("Instantiate")
         instantiate.restype = ctypes.c_void_p

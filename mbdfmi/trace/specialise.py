@@ -80,7 +80,8 @@ def _written_out(tracer, model, symbol, status, kept):
     stored = {(buffer, j) for buffer, j, _ in stores}
     first = [k for k in needed if graph.nodes[k].op == "leaf" and graph.nodes[k].about in stored]
     body = Body(graph, wanted, C99, Places(_read, _looked_up, False), first)
-    conditions = [f"({body[g.node]})" if g.holds else f"!({body[g.node]})" for g in guards]
+    # of whole numbers, which may be joined without a branch each: truths joined so are warned of
+    conditions = [f"(int)({body[g.node]})" if g.holds else f"(int)!({body[g.node]})" for g in guards]
     lines = [*body.lines]
 
     if conditions:

@@ -81,6 +81,11 @@ class Symbol:
 
     __int__ = __float__ = __index__
 
+    def __mod__(self, other):
+        raise Untraceable("a remainder, where something is kept in turn, depends on values")
+
+    __rmod__ = __floordiv__ = __rfloordiv__ = __mod__
+
 
 def _less(graph, a, b):
     return graph.comparison("<", a, b)
