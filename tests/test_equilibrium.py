@@ -265,7 +265,7 @@ def in_oil(seed):
     return scene
 
 
-@pytest.mark.parametrize("seed", [1, 7, 14, 15, 16, 47, 49, 57, 58])
+@pytest.mark.parametrize("seed", [1, 7, 14, 15, 16, 47, 49, 58, 62])
 def test_random_scenes_end_in_oil_where_their_equilibrium_is(seed):
     """Loops, springs, ropes, bushings, surfaces as the referee draws them: those of few seeds that rest in less than 80 s."""
     scene = in_oil(seed)
