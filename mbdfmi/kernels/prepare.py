@@ -127,7 +127,9 @@ def wrongly_moved(m):
             return m.marker_body[m.strut_to[k]]
 
     for k in range(m.n_line):
-        if not (m.line_length[k] > 0.0 and m.line_mass[k] > 0.0 and m.line_stiffness[k] > 0.0):
+        finite = math.isfinite(m.line_length[k] + m.line_mass[k] + m.line_stiffness[k])
+
+        if not (finite and m.line_length[k] > 0.0 and m.line_mass[k] > 0.0 and m.line_stiffness[k] > 0.0):
             return m.marker_body[m.line_to[k]]
 
     return -1
