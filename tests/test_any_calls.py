@@ -51,6 +51,7 @@ static void *find(const char *name)
 def shim(library: Path) -> str:
     """C that passes each entry on."""
     text = SHIM.format(library=library)
+    text += '\nextern const char mbdfmi_only_guid[];\nconst char mbdfmi_only_guid[] = "";\n'
 
     for result, name, given in re.findall(
         r"^(int32_t) (mbdfmi_\w+)\((.*)\);$", header.layout_header(), re.MULTILINE

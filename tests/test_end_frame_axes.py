@@ -334,7 +334,7 @@ def test_commanded_in_an_fmu(tmp_path):
     """The parameter follows inputs at once, so that the bodies' positions depend on them; to the bits of a run in process."""
     model = compile_scene(Scene.model_validate(bead("recursive", {"input": True}, start={"s": 0.3})))
     assert [v.name for v in model.of_causality("input")] == [
-        f"hold.{x}_command" for x in ("s", "s_rate", "acceleration")
+        f"hold.{x}_command" for x in ("s", "s_rate", "s_acceleration")
     ]
     told = {v.name: v for v in model.variables}
     assert told["hold.s_command"].unit == "m" and told["hold.effort"].unit == "N"

@@ -31,7 +31,7 @@ ALLOWED = (
 )
 HANGS = 120.0  # s, after which a case is given up
 HEAD = 24  # bytes of a resource file before what its checksum is of
-HEAD_OF_STATE = 16 + 24 + 64  # bytes of a serialised state before its core
+HEAD_OF_STATE = 8 + 16 + 24 + 64  # bytes of a serialised state before its core
 
 
 def model_of(name):
@@ -224,7 +224,7 @@ def test_absurd_states_are_refused_or_harmless(library, tmp_path, name, values):
         for value in values:
             body = bytearray(data[HEAD_OF_STATE:])
             struct.pack_into("<d", body, 8 * k, value)
-            head = data[:12] + struct.pack("<I", zlib.crc32(body)) + data[16:HEAD_OF_STATE]
+            head = data[:20] + struct.pack("<I", zlib.crc32(body)) + data[24:HEAD_OF_STATE]
             status, snapshot = instance.deserialise(head + bytes(body))
             if status != OK:
                 assert "the serialised state is refused" in instance.message

@@ -77,6 +77,7 @@ def check_fmu(path):
     Returns what there is to add when nothing was found.
     """
     import zipfile
+    import zlib
 
     import fmpy
     from fmpy.validation import validate_fmu
@@ -90,7 +91,7 @@ def check_fmu(path):
 
         if damaged:
             raise ValueError(f"{path}: damaged, {damaged} in it cannot be read")
-    except (zipfile.BadZipFile, EOFError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError) as error:
         raise ValueError(f"{path}: not an FMU, or damaged: an FMU is a zip archive ({error})") from error
 
     try:
