@@ -56,9 +56,6 @@ def test_a_box_has_its_righting_arm_at_every_heel():
     assert abs(found.area(0, 10) - np.trapezoid(found.arm[:3], np.radians(found.heel[:3]))) < 0.01
 
 
-@pytest.mark.xfail(
-    reason="since equilibria are sought in still water no trim is found at no heel; not looked into yet"
-)
 def test_trim_goes_free_with_the_heel():
     """A wedge is not alike fore and aft: what holds it at a heel takes no moment across."""
     size = [60.0, 20.0, 8.0]

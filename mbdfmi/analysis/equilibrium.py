@@ -154,10 +154,23 @@ class _Search:
         manifold.put()
         self.K = self.L.T @ manifold.stiffness() @ np.linalg.inv(self.L.T)
         self.force = self.L.T @ self.pull
-        self.squares, vectors = np.linalg.eigh(0.5 * (self.K + self.K.T))
-        self.own = vectors
-        self.shapes = np.linalg.solve(self.L.T, vectors)
+        self.squares, self.own = self._own_motions()
+        self.shapes = np.linalg.solve(self.L.T, self.own)
         manifold.put()
+
+    def _own_motions(self):
+        """(squares of frequencies, ascending, and their motions in columns) of the symmetric part of K.
+
+        Motions without stiffness apart: far from equilibrium accelerations depend on the inertias too, K is not
+        symmetric, and what it takes to nothing its symmetric part would mix with others.
+        """
+        _, sizes, rows = np.linalg.svd(self.K)
+        free = sizes <= tiny(sizes)
+        none, held = rows[free].T, rows[~free].T
+        squares, vectors = np.linalg.eigh(0.5 * held.T @ (self.K + self.K.T) @ held)
+        squares = np.concatenate([squares, np.zeros(none.shape[1])])
+        order = np.argsort(squares)
+        return squares[order], np.column_stack([held @ vectors, none])[:, order]
 
     def _size(self, step):
         """rad, or parts of the scene's length: the largest change of a coordinate."""
