@@ -161,7 +161,7 @@ class _Search:
     def _own_motions(self):
         """(squares of frequencies, ascending, and their motions in columns) of the symmetric part of K.
 
-        Motions without stiffness apart: far from equilibrium accelerations depend on the inertias too, K is not
+        Motions without stiffness apart: far from equilibrium accelerations depend on inertias too, K is not
         symmetric, and what it takes to nothing its symmetric part would mix with others.
         """
         _, sizes, rows = np.linalg.svd(self.K)
