@@ -326,21 +326,12 @@ def started(scene, values, manifold, rest) -> SceneData:
     """The scene with an equilibrium as its start; values : of all outputs by name. Speeds are 0, but for
     those of joints of one freedom that turn or slide without stiffness: a rotor spins on.
     """
-    tree = {node.joint for node in manifold.model.tree.nodes}
     idle = _idle(manifold, rest)
     joints = {}
 
-    for name, joint in scene.joint.items():
-        start = getattr(joint, "start", None)
-
-        if start is None or joint.driver or (name not in tree and not joint.start_given):
-            continue
-
-        given = _start(name, joint, values, start)
-
-        if given is not None:
-            given |= {key: getattr(start, key) for key in _speeds(joint) if name in idle}
-            joints[name] = joint.model_copy(update={"start": type(start).model_validate(given)})
+    for name, joint, start, given in _starts(scene, values, manifold):
+        given |= {key: getattr(start, key) for key in _speeds(joint) if name in idle}
+        joints[name] = joint.model_copy(update={"start": type(start).model_validate(given)})
 
     forces = scene.force | _lengths(scene, manifold)
     return scene.model_copy(update={"joint": scene.joint | joints, "force": forces})
@@ -371,20 +362,9 @@ def started_moving(scene, values, manifold) -> SceneData:
     """The scene with a state as its start, positions and velocities; values : of all outputs of `observed` by
     name.
     """
-    tree = {node.joint for node in manifold.model.tree.nodes}
     joints = {}
 
-    for name, joint in scene.joint.items():
-        start = getattr(joint, "start", None)
-
-        if start is None or joint.driver or (name not in tree and not joint.start_given):
-            continue
-
-        given = _start(name, joint, values, start)
-
-        if given is None:
-            continue
-
+    for name, joint, start, given in _starts(scene, values, manifold):
         for coordinate in joint.coordinates:
             rate = coordinate.rate
             numbers = [values[dotted(name, rate.name) + ending] for ending in subscripts(rate.shape)]
@@ -422,6 +402,24 @@ def _idle(manifold, rest):
             found.add(named.joint)
 
     return found
+
+
+def _starts(scene, values, manifold):
+    """(name, joint, its start as the scene has it, its positions as a table) of the joints that the state is
+    told by: those of the tree, and others with a start of their own.
+    """
+    tree = {node.joint for node in manifold.model.tree.nodes}
+
+    for name, joint in scene.joint.items():
+        start = getattr(joint, "start", None)
+
+        if start is None or joint.driver or (name not in tree and not joint.start_given):
+            continue
+
+        given = _start(name, joint, values, start)
+
+        if given is not None:
+            yield name, joint, start, given
 
 
 def _start(name, joint, values, start):
