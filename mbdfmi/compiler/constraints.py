@@ -29,7 +29,8 @@ def add_constraints(builder):
     builder.constraint_nodes = [c.nodes for c in constraints]
     builder.joint_constraints = {c.name: k for k, c in enumerate(constraints) if not c.terms}
     _add_tables(builder, constraints, [path[k] for k in order], earlier)
-    builder.loop_hints = [_hint(builder, c) for c in constraints]
+    everywhere = _not_given(builder, builder.tree.cuts)
+    builder.loop_hints = [_hint(builder, c) or everywhere for c in constraints]
     about = "largest gap of a closed loop, m and rad"
     builder.add_parameters(
         "solver.closing_tolerance",
@@ -69,11 +70,15 @@ def _way(builder, i):
 
 
 def _hint(builder, constraint):
-    """Whose starts matter to a constraint that cannot be closed: those that are not given, if there are."""
+    """Whose starts matter to a constraint that cannot be closed; "" where no joint of the tree is involved."""
     names = dict.fromkeys(
         builder.nodes[i].joint for i in sorted(_involved(builder, constraint)) if builder.nodes[i].joint
     )
-    names = names or dict.fromkeys(builder.tree.cuts)
+    return _not_given(builder, names) if names else ""
+
+
+def _not_given(builder, names):
+    """Those of some joints whose starts are not given, if there are, else all, in words."""
     free = [name for name in names if not builder.scene.joint[name].holds_position]
     return f"of {', '.join(free or names)}" if names else "none of its joints can move"
 

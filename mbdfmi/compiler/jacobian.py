@@ -20,7 +20,9 @@ from .elimination import elimination
 
 @dataclass
 class Block:
-    """Unknowns that are eliminated together: where they stand in x; the islands that their rates depend on, and nodes' positions."""
+    """Unknowns that are eliminated together: where they stand in x; the islands that their rates depend on, and the nodes: of
+    positions the one that has them, of an angle outside the tree those whose positions it depends on.
+    """
 
     unknowns: list[int]
     islands: set[int] = field(default_factory=set)
@@ -189,6 +191,18 @@ class _Parts:
         """Nodes that coordinate k outside the tree is between."""
         return self._bodies(self.values["coordinate_from"][k], self.values["coordinate_to"][k])
 
+    def below(self, nodes):
+        """Nodes with positions on the way from some to the ground, ascending."""
+        parent = self._column("body_parent")
+        found = set()
+
+        for i in nodes:
+            while i > 0 and i not in found:
+                found.add(int(i))
+                i = parent[i]
+
+        return sorted(i for i in found if self.n_q[i])
+
     def _coupled(self):
         """For each island the set of others that forces couple it with."""
         groups = [
@@ -216,9 +230,12 @@ class _Parts:
 
 
 def _turn_blocks(parts, first, n_turn):
-    """Angles outside the tree: nothing depends on them (but through their turns), they on the islands that they are between."""
+    """Angles outside the tree: nothing depends on them (but through their turns), they on the islands that they are between,
+    and there on the positions of the nodes below them alone.
+    """
     of = parts._column("turn_coordinate")
-    return [Block([first + t], parts.islands(parts.coordinate_ends(of[t]))) for t in range(n_turn)]
+    ends = [parts.coordinate_ends(of[t]) for t in range(n_turn)]
+    return [Block([first + t], parts.islands(group), parts.below(group)) for t, group in enumerate(ends)]
 
 
 def _position_blocks(parts):
@@ -232,9 +249,11 @@ def _rows(parts, blocks, n_free, place, earlier):
     """(elements of each row of blocks, ascending; of each how many blocks of columns it has before fill)."""
     first_island = len(blocks) - len(place)
     of_island = [[] for _ in place]
+    of_node = {}
 
     for b in range(n_free, first_island):
         of_island[min(blocks[b].islands)].append(b)
+        of_node[blocks[b].nodes[0]] = b
 
     def whole(b):
         return Element(b, 0, len(blocks[b].unknowns))
@@ -245,7 +264,7 @@ def _rows(parts, blocks, n_free, place, earlier):
         row = [whole(b)]
 
         if b < n_free:
-            row += [whole(k) for island in sorted(block.islands) for k in of_island[island]]
+            row += [whole(of_node[node]) for node in block.nodes]
             row += [whole(place[island]) for island in block.islands]
         else:
             node, island = block.nodes[0], min(block.islands)
