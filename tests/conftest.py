@@ -1,9 +1,15 @@
 """Fixtures of all tests."""
 
 import ctypes
+import time
 
+import numpy as np
 import pytest
 from fmpy import fmi2
+
+from mbdfmi import Scene
+from mbdfmi.compiler.model import compile_scene
+from mbdfmi.run.instance import Instance
 
 
 @pytest.fixture
@@ -15,6 +21,33 @@ def check(record_property):
         assert error < allowed
 
     return check
+
+
+@pytest.fixture
+def run(record_property):
+    """A function run(scene, times) -> outputs by name (times, components), arrays as one; scalars (times,)."""
+
+    def run(scene, times, parameters=None):
+        instance = Instance(compile_scene(Scene.model_validate(scene)), parameters)
+        began = time.process_time()
+        rows = []
+
+        for t in times:
+            if t > instance.time:
+                instance.step(t - instance.time)
+
+            rows.append(instance.outputs().copy())
+
+        record_property("cpu_s", round(time.process_time() - began, 3))
+        record_property("steps", int(instance.d.steps[0]))
+        names = [v.name.partition("[")[0] for v in instance.model.of_causality("output")]
+        rows = np.array(rows)
+        columns = {
+            name: [k for k, other in enumerate(names) if other == name] for name in dict.fromkeys(names)
+        }
+        return {name: rows[:, k[0]] if len(k) == 1 else rows[:, k] for name, k in columns.items()}
+
+    return run
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from mbdfmi import load
 from mbdfmi.export import link
 from mbdfmi.kernels import entry, loops
 from mbdfmi.kernels.dynamics import articulated, rates
-from mbdfmi.kernels.language import INTERPRETED, JIT
+from mbdfmi.kernels.language import APART, INTERPRETED, JIT
 from mbdfmi.native import library
 from mbdfmi.native.platforms import host_platform
 from mbdfmi.native.sources import source_hash
@@ -47,6 +47,40 @@ def test_kernels_are_what_python_makes_of_them(instance, kernel, arguments):
 
     for found, wanted in zip(native, (d.state_buffer, d.work_buffer)):
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * (1 + np.abs(wanted).max()))
+
+
+STEPS = """
+import sys
+from mbdfmi import load
+from mbdfmi.kernels import loops
+from mbdfmi.kernels.language import APART
+from mbdfmi.run.instance import Instance
+instance, names, called = Instance(load(sys.argv[1]).compile()), {}, set()
+for name, kernel in APART.items():
+    names[kernel.__code__] = name
+def watch(frame, event, argument):
+    if event == "call" and frame.f_code in names:
+        called.add(names[frame.f_code])
+sys.setprofile(watch)
+for _ in range(3):
+    instance.step(1e-2)
+sys.setprofile(None)
+print(*called)
+"""
+
+
+def test_kernels_of_every_step_are_in_one_half():
+    """Their names are those of kernels, a step calls no other, and the halves are all there is, once each."""
+    ahead = pytest.importorskip("mbdfmi.kernels.ahead")
+    first, second = (ahead.half_of(APART, half) for half in ahead.HALVES)
+    assert {name.removeprefix("mbdfmi_kernels_") for name in first} == set(ahead.STEPPING)
+    assert sorted(first + second) == sorted(APART)
+
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "MBDFMI_INTERPRETED": "1"}
+    command = [sys.executable, "-c", STEPS, str(MODELS / "spinning_top.toml")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.split()) and set(done.stdout.split()) <= set(first)
 
 
 @in_library

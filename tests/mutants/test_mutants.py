@@ -1,11 +1,13 @@
 """Operators break what they should; the lists of lines are true of the sources as they are."""
 
 import ast
+from pathlib import Path
 
 import pytest
 
-from . import draw, equivalent, operators
-from .reach import PACKAGE
+from . import draw, equivalent, operators, reach
+from .hunt import THOROUGH
+from .reach import PACKAGE, ROOT
 from .undone import UNDONE
 
 SCHEMA = """
@@ -100,3 +102,18 @@ def test_mendings_can_be_undone(undone):
 
 def test_every_rule_is_undone():
     assert {undone.rule for undone in UNDONE} == set(range(1, 14))
+
+
+def test_files_that_are_run_whole_are_there():
+    """Of a mutant's subject, and the subject itself."""
+    subjects = {Path(file).stem for file in reach.sources()}
+    assert {name for names in THOROUGH for name in names.split()} <= subjects
+
+    for name in " ".join(THOROUGH.values()).split():
+        file, _, test = name.partition("::")
+        text = (ROOT / "tests" / f"test_{file}.py").read_text(encoding="utf-8")
+        assert f"def {test}(" in text or not test
+
+
+def test_tests_of_undone_mendings_are_there():
+    assert all((ROOT / file).exists() for undone in UNDONE for file in undone.tests.split())

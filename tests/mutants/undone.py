@@ -111,26 +111,26 @@ UNDONE = [
     # 4
     Undone(
         4, "a loop that repeats itself not quite exactly is refused", "kernels/dynamics/start_positions.py",
-        "loose = failure == OK and gap <= GAP_TAKEN", "loose = False", "tests/test_loops.py",
+        "loose = failure == OK and gap <= GAP_TAKEN", "loose = False", "tests/test_loops_not_exact.py",
     ),
     Undone(
         4, "a gap that is left is not told", "kernels/notes.py",
         "                tell(d, status(GAP_TAKEN, m.n_body + c), al.norm(span), turned)\n",
         "                pass\n",
-        "tests/test_loops.py",
+        "tests/test_loops_not_exact.py",
     ),
     Undone(
         4, "a loop that cannot be closed does not say how far it is open", "kernels/notes.py",
-        "    tell(d, status(LOOP_SIZE, m.n_body + c), size, turned)\n", "", "tests/test_loops.py",
+        "    tell(d, status(LOOP_SIZE, m.n_body + c), size, turned)\n", "", "tests/test_loops_not_exact.py",
     ),
     Undone(
         4, "a singular start is not told apart", "kernels/notes.py", "if size <= SINGULAR and turned <= SINGULAR:",
-        "if False:", "tests/test_loops.py",
+        "if False:", "tests/test_loops_not_exact.py",
     ),
     Undone(
         4, "the closing tolerance is no setting", "kernels/dynamics/projection.py",
         "        failure = project_positions(m, d, m.closing_tolerance[0])",
-        "        failure = project_positions(m, d, 1e-9)", "tests/test_loops.py",
+        "        failure = project_positions(m, d, 1e-9)", "tests/test_loops_not_exact.py",
     ),
     # 5
     Undone(
