@@ -1,8 +1,9 @@
 """The scene as a Python user meets it: it can simulate and export itself."""
 
 import os
-import re
+from collections.abc import Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,6 @@ from . import scene as _scene
 from .scene import SceneError as SceneError
 from .scene import reader
 from .scene.fields import adopted, given
-
-START_VALUE = re.compile(r"_start(\[\d+\])?$")
-"""How the names of parameters end that are start values."""
 
 
 class Scene(_scene.SceneData):
@@ -74,9 +72,9 @@ class Scene(_scene.SceneData):
         """The `Model` of the scene: arrays and variables.
 
         as_given : with its start values as they are, whatever start the scene asks for. Raises SceneError;
-        NoEquilibrium where it is to start in one and there is none.
+        NoEquilibrium where it is to start in one and there is none, ValueError where no trim is found.
         """
-        return self._compiled(self._whole() if as_given else self._starting())
+        return self._compiled(self._whole()) if as_given else self._started(self._starting())
 
     def _compiled(self, scene):
         from .compiler.model import compile_scene
@@ -84,20 +82,21 @@ class Scene(_scene.SceneData):
         with self._file_named():
             return compile_scene(scene)
 
+    def _started(self, start):
+        """The model of a scene with the start that it asks for (`Starting`)."""
+        from .compiler.model import with_values
+
+        return with_values(self._compiled(start.scene), start.found, start.notices)
+
     def _starting(self, hold=None, parameters=None, time=0.0):
-        """The scene checked, with the start that it asks for."""
-        self._whole()
-
-        if self.solver.start == "given":
-            return self
-
+        """The scene checked, with the start that it asks for (`Starting`)."""
         from .analysis.equilibrium import NoEquilibrium
+        from .analysis.starting import starting
 
         try:
-            return self.equilibrium(hold=hold, parameters=parameters, time=time).scene
-        except NoEquilibrium as error:
-            place = f"{self._file}: " if self._file else ""
-            raise NoEquilibrium(f'{place}[solver] start = "equilibrium": {error}') from None
+            return starting(self._whole(), hold, parameters, time)
+        except (NoEquilibrium, ValueError) as error:
+            raise type(error)(f"{self._file}: {error}" if self._file else str(error)) from None
 
     def simulate(self, until, step=None, inputs=None, parameters=None, specialise=False, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
@@ -109,16 +108,13 @@ class Scene(_scene.SceneData):
         from .run.simulate import inputs_at_start, simulate
         from .view.show import Run
 
-        scene = self
-
-        if self.solver.start != "given":
+        if self.solver.start == "given":
+            model = self._compiled(self._whole())
+        else:
             time = options.get("start_time", 0.0)
             hold = inputs_at_start(self._compiled(self._whole()), until, step, inputs, time)
-            scene = self._starting(hold, parameters, time)
-            parameters = {key: x for key, x in (parameters or {}).items() if not START_VALUE.search(key)}
-
-        self._whole()
-        model = self._compiled(scene)
+            start = self._starting(hold, parameters, time)
+            model, parameters = self._started(start), start.parameters
 
         if specialise:
             from .export.specialise import scene_library
@@ -164,9 +160,21 @@ class Scene(_scene.SceneData):
         """
         from .analysis.linearise import linearise
 
-        given = {"hold": options.get("hold"), "parameters": options.get("parameters")}
-        given["parameters"] = given["parameters"] if isinstance(given["parameters"], dict) else None
-        return linearise(self._starting(**given), inputs, outputs, at, **options)
+        parameters = options.pop("parameters", None)
+
+        if parameters is not None and not isinstance(parameters, Mapping):
+            names = [parameters] if isinstance(parameters, str) else parameters
+            options["by"], parameters = [*options.get("by", ()), *names], None
+
+        start = self._starting(options.pop("hold", None), parameters)
+        values = {"hold": start.hold, "parameters": start.parameters}
+        found = linearise(start.scene, inputs, outputs, at, **values, **options)
+        told = [text for text in start.notices if text not in found.notices]
+
+        if found.sensitivities and self.solver.start == "trim":
+            told.append("derivatives by parameters are those about a trim that stays what it is")
+
+        return replace(found, notices=[*found.notices, *told]) if told else found
 
     def equilibrium(self, **options):
         """The static equilibrium that it comes to from its start; see `mbdfmi.analysis.rest.equilibrium`. Its
@@ -182,9 +190,9 @@ class Scene(_scene.SceneData):
 
         return equilibria(self._whole(), **options)
 
-    def trim(self, find, keep=None, **options):
+    def trim(self, find=None, keep=None, **options):
         """Values of inputs, parameters and start values for which conditions hold; see
-        `mbdfmi.analysis.trim.trim`.
+        `mbdfmi.analysis.trim.trim`. Without names of what to find it is as `solver.trim` asks.
         """
         from .analysis.trim import trim
 

@@ -159,10 +159,32 @@ def test_stops_ropes_and_held_drives_at_rest():
     driven = Scene(
         name="cart", gravity=[0, 0, -G], body={"cart": point, "bob": point | {"com": [0, 0, -1]}}, joint=arm
     )
+    assert any('drives move "slide" at 0.5 s' in text for text in driven.equilibrium(time=0.5).notices)
     later = driven.equilibrium(time=1.0)
     assert abs(later.coordinates["slide.position"] - 0.3) < 1e-15
     assert abs(later.coordinates["swing.angle"]) < 1e-15
     assert np.abs(later.reactions["swing"][0] - [0, 0, G]).max() < 1e-12
+
+
+def test_what_is_held_though_it_moves_is_told():
+    """A turning ground, a driven joint in a loop; those that stand still are passed over."""
+    bob = {"bob": {"mass": 1.0, "com": [0, 0, -1], "inertia": [0, 0, 0]}}
+    swing = {"swing": {"revolute": {"axis": "y"}, "between": ["ground", "bob"]}}
+    scene = Scene(name="bob", gravity=[0, 0, -G], body=bob, joint=swing)
+    assert scene.equilibrium().notices == []
+    scene.ground.motion = {"rotation": {"axis": "z", "speed": 2.0}}
+    (told,) = scene.equilibrium().notices
+    assert told.startswith("the ground moves at 0 s: it is held")
+    assert scene.linearise(at="equilibrium").notices[-1] == told
+
+    four_bar = mbdfmi.load(ROOT + "four_bar.toml")
+    four_bar.joint["crank_pivot"].input = []
+    four_bar.joint["crank_pivot"].start = {"angle_deg": 60}
+    four_bar.joint["crank_pivot"].driver = {"constant_speed": 0.5}
+
+    for formulation in ("recursive", "augmented"):
+        four_bar.solver.formulation = formulation
+        assert any('drives move "crank_pivot" at 0 s' in text for text in four_bar.equilibrium().notices)
 
 
 ROOT = mbdfmi.__path__[0] + "/../models/"

@@ -59,8 +59,18 @@ def test_a_bicycle_is_stable_from_the_weave_to_the_capsize_speed():
     assert abs(real_at(lambda all_: max(v.real for v in all_), 6.0, 6.1) - 6.02426201538837) < 1e-8
 
 
-def test_modes_of_a_quarter_car():
-    body, wheel, soft, hard = 290.0, 59.0, 16812.0, 190000.0
+QUARTER_CARS = [
+    (400.0, 50.0, 25e3, 250e3, ["1.1990", "11.81"]),
+    (320.0, 40.0, 20e3, 200e3, ["1.1990", "11.81"]),
+    (290.0, 59.0, 16812.0, 190e3, None),
+]
+
+
+@pytest.mark.parametrize("body, wheel, soft, hard, told", QUARTER_CARS)
+def test_modes_of_a_quarter_car(body, wheel, soft, hard, told):
+    """Body and wheel (kg) on strut and tyre (N/m). told : Hz to their digits: those of every car with wheel : body = 1 : 8,
+    strut : tyre = 1 : 10 and 62.5 N/m of strut for a kilogram of body.
+    """
     rail = {"prismatic": {"axis": "z"}}
     scene = Scene(
         name="quarter_car",
@@ -76,6 +86,9 @@ def test_modes_of_a_quarter_car():
     modes = scene.linearise().modes()
     assert np.abs(modes.frequencies / right - 1).max() < 1e-12
     assert modes[0].bodies["car"] > 0.99 and modes[1].bodies["wheel"] > 0.99
+
+    if told:
+        assert [f"{modes.frequencies[0]:.4f}", f"{modes.frequencies[1]:.2f}"] == told
 
 
 def test_a_rotor_whirls_as_gyroscopic_moments_have_it():

@@ -11,6 +11,7 @@ from ..files import check_ending, replacing
 from .linear import about
 from .manifold import AUTO, Manifold
 from .places import AT_REST, mechanism_of, state_at
+from .starting import starting
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,13 @@ def locus(
 
         held = (hold or {}) | ({name: value} if is_input else {})
         changed = (parameters or {}) | ({} if is_input else {name: value})
-        found, where, told = state_at(scene, at, held, changed, like=mechanism)
+
+        if scene.solver.start == "trim":
+            start = starting(scene, held, changed)
+            found, where, told = state_at(start.scene, at, start.hold, start.parameters)
+        else:
+            found, where, told = state_at(scene, at, held, changed, like=mechanism)
+
         modes = about(Manifold(found, axes), [], [], told).modes()
         every.append(modes.eigenvalues[len(modes.free) :])
         places.append(where)

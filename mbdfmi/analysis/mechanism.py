@@ -29,6 +29,9 @@ ZERO = 1e-6
 # arrays of the model that `freeze` changes
 FROZEN = ("drive_value", "part_force", "sea_wave", "wind_velocity")
 
+# what the ground is called beside joints
+GROUND = "ground"
+
 # how far (rad, or parts of the scene's length) the places near the start are
 NEARBY = (0.1, 0.23)
 
@@ -136,6 +139,7 @@ class Mechanism:
     1 of each.
     length : m, by which lengths are made unit-free. redundant : rows that the solver leaves out.
     first : joints that are in the tree before all others. joint_nodes : joint of the tree -> its nodes.
+    stilled : joints whose drives moved them, GROUND, when it was frozen.
     parameters, inputs, start_time : as of an `Instance`. model : of the scene, if there is one.
     """
 
@@ -150,6 +154,7 @@ class Mechanism:
         self._ints = self.model.ints.copy()
         self.held = dict(inputs or {})
         self._before: dict[str, np.ndarray] = {}
+        self.stilled: list[str] = []
         self.instance = Instance(self.model, parameters, start_time, inputs)
         self.m, self.d = self.instance.m, self.instance.d
         m = self.m
@@ -195,11 +200,14 @@ class Mechanism:
         m, d = self.m, self.d
         rates.set_time(m, d, 0.0)
         drives.prescribe(m, d)
-        d.v[:] = 0.0
 
         # they hold already
         if self._before:
+            d.v[:] = 0.0
             return
+
+        self.stilled = self._moved()
+        d.v[:] = 0.0
 
         self._before = {name: getattr(m, name).copy() for name in FROZEN} | {"u": d.u_buffer.copy()}
 
@@ -217,6 +225,26 @@ class Mechanism:
                 m.drive_kind[k] = drives.POLYNOMIAL
                 m.drive_terms[k] = 1
                 m.drive_value[16 * k] = position
+
+    def _moved(self):
+        """What drives move now: names of joints, the ground."""
+        m, d = self.m, self.d
+        moving = []
+
+        for k in range(m.n_drive):
+            i = m.drive_body[k]
+
+            if i >= 0:
+                own = slice(m.body_v[i], m.body_v[i] + joints.N_V[m.body_joint[i]])
+                moves = bool(np.any(d.v[own]) or np.any(d.v_rate[own]))
+                name = self.model.tree.nodes[i].joint or GROUND
+            else:
+                moves = any(drives.target(m, d, k)[1:])
+                name = next(self.owner(row) for row in range(m.n_row) if m.row_drive[row] == k)
+
+            moving += [name] if moves and name not in moving else []
+
+        return moving
 
     def _calm(self):
         """No waves, no wind."""

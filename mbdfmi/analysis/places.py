@@ -6,7 +6,8 @@ from ..compiler.model import compile_scene
 from ..kernels.motion import drives
 from ..run.inputs import known, numbers
 from ..scene import variable_name
-from .mechanism import Mechanism
+from ..scene.errors import listed
+from .mechanism import GROUND, Mechanism
 
 START, EQUILIBRIUM = "start", "equilibrium"
 AT_START, AT_REST = "the start", "the equilibrium"
@@ -70,7 +71,27 @@ def state_at(scene, at=None, hold=None, parameters=None, progress=None, like=Non
         told = [*notices, f"{error}; this is about the start"]
         return mechanism.again(parameters, mechanism.held), AT_START, told
 
-    return mechanism, AT_REST, notices
+    return mechanism, AT_REST, notices + stilled(mechanism)
+
+
+def stilled(mechanism) -> list[str]:
+    """What is to be told of drives that an equilibrium holds while they move."""
+    time = f"at {mechanism.d.time[0]:g} s"
+    names = [name for name in mechanism.stilled if name != GROUND]
+    told = []
+
+    if GROUND in mechanism.stilled:
+        told.append(
+            f"the ground moves {time}: it is held where it is then, and what its motion does to the scene, "
+            "as a turn by its centrifugal forces, is left out"
+        )
+
+    if names:
+        told.append(
+            f"drives move {listed(names)} {time}: this is the rest of what they hold where it is then"
+        )
+
+    return told
 
 
 def _time(at):

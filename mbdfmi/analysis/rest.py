@@ -16,7 +16,7 @@ from ..scene.starts import RATES
 from ..vocabulary import EFFORT_OUTPUTS, POSE_EFFORTS, REACTIONS
 from .equilibrium import NoEquilibrium, Rest, approach, settle, tiny
 from .manifold import Manifold
-from .places import mechanism_of
+from .places import mechanism_of, stilled
 
 # drawn starts of a search for all equilibria: how many, how far (rad, or lengths of the scene) they are
 DRAWN = 40
@@ -254,6 +254,8 @@ def _told(scene, manifold, rest, weather) -> Equilibrium:
     if rest.left:
         came = "an unstable equilibrium" if rest.left == 1 else f"{rest.left} unstable equilibria"
         notices.append(f"the search came through {came} (nearest, --nearest, stays at the first)")
+
+    notices += stilled(mechanism)
 
     if mechanism.has_weather and not weather:
         notices.append(

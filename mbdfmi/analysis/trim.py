@@ -66,7 +66,7 @@ class Trim:
 
 def trim(
     scene: SceneData,
-    find: Sequence[str] | Mapping[str, float | None],
+    find: Sequence[str] | Mapping[str, float | None] | None = None,
     keep: Mapping[str, float] | None = None,
     *,
     steady: Sequence[str] | bool = (),
@@ -79,7 +79,8 @@ def trim(
     """Values for which conditions hold.
 
     find : names of inputs, of parameters, or of joints' coordinates and rates at the start ("lean.angle" is
-        lean.angle_start), with a first guess or None (their present value).
+        lean.angle_start), with a first guess or None (their present value). By default all is as the scene's
+        `solver.trim` has it.
     keep : {name: value} of outputs, SI; of joints and bodies also of those that the scene does not ask for,
         as "shaft.acceleration".
     steady : joints whose speeds shall not change, or True for all.
@@ -90,6 +91,11 @@ def trim(
     Newton's method; with fewer conditions than unknowns the nearest solution. Raises ValueError where none is
     found, and says which condition is off; KeyError for unknown names.
     """
+    asked = scene.solver.trim
+
+    if find is None and not keep and not steady and not rest and asked:
+        find, keep, steady, rest = asked.find, asked.keep, asked.steady, asked.rest
+
     search = _Search(scene, find, keep or {}, steady, rest, hold, parameters, time)
     iterations = search.run(progress)
     return search.told(iterations)

@@ -5,6 +5,7 @@ The names and shapes of the arrays are those of the table in `kernels/layout.py`
 
 import hashlib
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -384,6 +385,26 @@ def c_identifier(name: str) -> str:
     """A C identifier that reads like `name`."""
     text = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
     return text if re.match(r"[A-Za-z]", text) else f"m_{text}"
+
+
+def with_values(model: Model, values: Mapping[str, float], notices: Sequence[str] = ()) -> Model:
+    """The model with other start values of inputs and values of parameters, by name, and more notices of it."""
+    notices = [text for text in notices if text not in model.notices]
+
+    if not values:
+        return replace(model, notices=model.notices + notices) if notices else model
+
+    reals, variables = model.reals.copy(), list(model.variables)
+
+    for k, v in enumerate(variables):
+        if v.name in values:
+            variables[k] = replace(v, start=values[v.name])
+
+            if v.causality == "parameter":
+                reals[v.index] = values[v.name]
+
+    changed = replace(model, reals=reals, variables=variables, notices=model.notices + notices)
+    return replace(changed, guid=guid_of(changed))
 
 
 SEALED_SIZES = ("ints", "reals", "state", "work", "u", "y", "variables")

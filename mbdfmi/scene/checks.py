@@ -46,6 +46,7 @@ def cross_references(data):
     for name, coupling in _entries(data, "coupling").items():
         if text := _wrong_coupling(coupling, joints):
             problems.append(Problem(("coupling", name, "between"), text))
+    problems += [Problem(("solver", "trim", "steady"), text) for text in _not_there(data, joints)]
 
     markers = {_plain(name): _plain_entries(body, "marker") for name, body in bodies.items()}
     markers["ground"] = _plain_entries(ground, "marker")
@@ -225,6 +226,16 @@ def _shared_names(data):
                 text = f"a {first} has this name too; choose another"
                 problems.append(Problem((table, name), text))
     return problems
+
+
+def _not_there(data, joints):
+    """What is wrong with the joints that a trim wants steady: texts."""
+    names = _get(_get(_get(data, "solver"), "trim"), "steady")
+    for name in names if isinstance(names, (list, tuple)) else ():
+        if isinstance(name, str) and _plain(name) not in joints:
+            yield f"no joint {quoted(name)}; there is {listed(joints) or 'none'}." + did_you_mean(
+                name, joints
+            )
 
 
 def _wrong_coupling(coupling, joints):

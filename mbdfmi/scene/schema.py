@@ -19,6 +19,7 @@ from .messages import problems_of
 from .names import Name, Text, Title
 from .notices import notices
 from .sea import Sea
+from .trimming import Trimming
 from .wind import Wind
 from .writer import toml_text
 
@@ -42,8 +43,9 @@ class Solver(Part):
     closing_tolerance : m and rad, the largest gap of a closed loop. A loop that repeats itself not quite exactly, as one of
         hinges whose axes are 1e-5 rad off, is closed but for a gap of up to 1e-4, which is told.
     start : "given", as the start values say; or "equilibrium", the static equilibrium that the scene comes to from there
-        (`mbdfmi equilibrium`): all at rest, but for what spins without stiffness, which keeps its speed. An FMU starts where the
-        scene's own parameters have it: changed parameters do not move its start.
+        (`mbdfmi equilibrium`): all at rest, but for what spins without stiffness, which keeps its speed; or "trim", what
+        `trim` asks for (`mbdfmi trim`). An FMU starts where the scene's own parameters have it: changed parameters do not move its start.
+    trim : what the scene is trimmed to, or None.
     output : names of SOLVER_OUTPUTS: numbers since the start, and the sum of the estimated local errors (relative), those of
         what is read off between inner steps included.
     """
@@ -56,7 +58,8 @@ class Solver(Part):
     max_step: Positive | None = None
     max_evaluations: Positive | None = None
     closing_tolerance: Positive = 1e-9
-    start: OneOf("given", "equilibrium") = "given"
+    start: OneOf("given", "equilibrium", "trim") = "given"
+    trim: Trimming | None = None
     output: SomeOf(*SOLVER_OUTPUTS) = []
 
     @model_validator(mode="after")
@@ -74,6 +77,14 @@ class Solver(Part):
                 raise ValueError(f"{self.integrator} has no {key}; leave it out, or take rk54")
         if fixed and "estimated_error" in self.output:
             raise ValueError(f'{self.integrator} estimates no error; leave out the output "estimated_error"')
+        return self
+
+    @model_validator(mode="after")
+    def _check_start(self):
+        if self.start == "trim" and not self.trim:
+            raise ValueError(
+                'start = "trim" needs a table [solver.trim]: find, names of what is to be found, and keep or steady, for what'
+            )
         return self
 
     @property

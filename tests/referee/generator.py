@@ -236,6 +236,10 @@ def _scene(dice, taste, seed):
         if table
     }
     looks.add(seed, data)
+
+    if trimmed := later.trim(seed, data):
+        data["solver"] = data.get("solver", {}) | trimmed
+
     data = _plain(data)
     return data if _fits(data, mechanism, dice) else None
 

@@ -18,7 +18,7 @@ def add(commands):
 values of outputs, of joints and bodies also of those that the scene does not ask for
 (shaft.acceleration, hull.zyx[1]), and joints whose speeds shall not change. They hold at the start, or
 with --rest in the static equilibrium that the scene comes to. Newton's method, from the present
-values or those given; SI units.""",
+values or those given; SI units. Without all these it is as the scene's [solver.trim] asks.""",
         """examples:
   mbdfmi trim turbine.toml --find shaft.torque --keep shaft.acceleration=0
   mbdfmi trim bike.toml --find lean.angle --find steer.angle=0.1 --steady lean --steady steer
@@ -29,7 +29,7 @@ values or those given; SI units.""",
     command.add_argument(
         "--find",
         action="append",
-        required=True,
+        default=[],
         metavar="NAME[=GUESS]",
         help="an unknown: an input, a parameter, a joint's coordinate or speed at the start; may be repeated",
     )
@@ -57,7 +57,7 @@ values or those given; SI units.""",
 
 def run(options):
     """Finds them, tells them."""
-    find = dict(_pair("--find", text, needs=False) for text in options.find)
+    find = dict(_pair("--find", text, needs=False) for text in options.find) or None
     keep = dict(_pair("--keep", text) for text in options.keep)
     own = options.write == options.scene
     write = options.write and (options.write if own else writable(options.write, []))
@@ -68,6 +68,11 @@ def run(options):
 
     hold, parameters = settings_of(scene.compile(as_given=True), options.set)
     steady = True if options.steady == ["all"] else options.steady
+
+    if find is None and (keep or steady or options.rest or not scene.solver.trim):
+        raise ValueError(
+            f"{options.scene}: --find NAME: says what is to be found; or a table [solver.trim] in the scene"
+        )
 
     with doing_here("trimming") as tell:
         found = scene.trim(

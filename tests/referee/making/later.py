@@ -47,6 +47,21 @@ def begin(seed) -> dict:
     return {"start": dice.pick(["given", "equilibrium"])} if dice.chance(0.1) else {}
 
 
+def trim(seed, data) -> dict:
+    """Maybe what it is trimmed to, which a run that starts as given passes over as well."""
+    dice = Dice(seed, 10)
+    joints = list(data["joint"])
+
+    if not joints or not dice.chance(0.1):
+        return {}
+
+    names = [f"{name}.position" for name in joints[: dice.whole(1, 3)]]
+    rest = dice.chance(0.3)
+    found = {"find": dice.pick([names, dict.fromkeys(names, dice.number(0.1, 1.0))])}
+    found |= {"rest": True} if rest else {"steady": dice.pick([True, joints[:1]])}
+    return {"trim": found | ({"keep": {f"{joints[-1]}.speed": 0.0}} if rest or dice.chance(0.5) else {})}
+
+
 def _float(dice, mechanism, forces, water):
     """Maybe hulls on bodies, most of which cut the water plane."""
     if dice.chance(0.7):
