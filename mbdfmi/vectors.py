@@ -12,10 +12,24 @@ def dot(*factors):
     *others, product = [np.asarray(factor, float) for factor in factors]
 
     for factor in reversed(others):
+        if factor.shape == (3, 3) and product.shape in ((3,), (3, 3)):
+            product = _spatial(factor.tolist(), product)
+            continue
+
         terms = factor * product if product.ndim == 1 else factor[..., None] * product
         product = terms.sum(-1) if product.ndim == 1 else terms.sum(-2)
 
     return product
+
+
+def _spatial(rows, product):
+    """The same of three rows with a vector or a matrix (3, 3), in half the time; sums begin at 0.0, as numpy's."""
+    x, y, z = product.tolist()
+
+    if product.ndim == 1:
+        return np.array([0.0 + a * x + b * y + c * z for a, b, c in rows])
+
+    return np.array([[0.0 + a * p + b * q + c * r for p, q, r in zip(x, y, z)] for a, b, c in rows])
 
 
 def cross(a, b):
@@ -26,7 +40,7 @@ def cross(a, b):
 
 def norm(vector):
     """Length of a vector."""
-    return math.sqrt(sum(float(x) * float(x) for x in vector))
+    return math.sqrt(sum(x * x for x in map(float, vector)))
 
 
 def solve_banded(band, diagonals, right):

@@ -9,7 +9,7 @@ from ..kernels.motion import coordinates
 from ..kernels.status import MESSAGES, OK, SINGULAR_INERTIA
 from ..rotations import Rotation
 from ..scene import Problem, SceneError
-from ..vectors import dot
+from ..vectors import cross, dot
 from .builder import Place
 from .variables import dotted
 
@@ -34,12 +34,14 @@ def start_motion(model):
     g = model.tree.home["ground"][0]
     motion = {}
 
+    to_ground = A[g].T
+
     for body, (i, _) in model.tree.home.items():
         span = r[i] - r[g]
-        seen = rd[i] - rd[g] - np.cross(w[g], span)
-        E = Rotation.from_matrix(dot(A[g].T, A[i])).as_quat()
-        q = np.concatenate([dot(A[g].T, span), E])
-        v = np.concatenate([dot(A[g].T, seen), dot(A[g].T, w[i] - w[g])])
+        seen = rd[i] - rd[g] - cross(w[g], span)
+        E = Rotation.from_matrix(dot(to_ground, A[i])).as_quat()
+        q = np.concatenate([dot(to_ground, span), E])
+        v = np.concatenate([dot(to_ground, seen), dot(to_ground, w[i] - w[g])])
         motion[body] = (q, v)
 
     for i, node in enumerate(model.tree.nodes):

@@ -29,7 +29,7 @@ class Table:
     def add(self, **values):
         """One more object, its values by array name; returns its index."""
         for name, value in values.items():
-            self.columns.setdefault(name, []).append(np.ravel(value))
+            self.columns.setdefault(name, []).append(np.array(value, ndmin=1).ravel())
 
         self.length += 1
         return self.length - 1
@@ -72,8 +72,7 @@ class Told(NamedTuple):
     component: int = 0
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A scalar parameter in the making: its fields as a Variable, the array that it stands in and where in that."""
 
     name: str
@@ -82,7 +81,7 @@ class Parameter:
     unit: str | None
     description: str
     array: str
-    index: int
+    at: int
 
 
 @dataclass(frozen=True)
@@ -151,10 +150,12 @@ class Builder:
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     starts_elsewhere : joints start as was found on another tree, whatever is given.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
+    listing : whether anybody will see the model: outputs, parameters and what is told are left out of one that is not seen.
     """
 
-    def __init__(self, scene: SceneData, tree: Tree, embeds: bool, start_angles=None):
+    def __init__(self, scene: SceneData, tree: Tree, embeds: bool, start_angles=None, listing=True):
         self.scene = scene
+        self.listing = listing
         self.embeds = embeds
         self.tree = tree
         self.nodes = tree.nodes
@@ -215,6 +216,9 @@ class Builder:
 
     def tell(self, told, name, value, unit=1.0):
         """A start value that is told where it cannot be kept: SI, of an orientation E; `unit`: of what the name says, by SI."""
+        if not self.listing:
+            return
+
         values = np.zeros(4)
         values[: np.size(value)] = value
         self.tables["n_told"].add(
@@ -329,7 +333,7 @@ class Builder:
 
     def node_of(self, end):
         """Node of a marker of the scene."""
-        return self.tree.marker(self.scene, end)[0]
+        return self.tree.home[end.partition(".")[0]][0]
 
     def nodes_of(self, joint):
         """Nodes that a joint connects."""
@@ -364,6 +368,9 @@ class Builder:
         """A block of outputs that is about `nodes`; `fed_by`: positions in u of inputs that are part of it; `moved_by`: nodes whose
         motion it feels, but not what pulls at them.
         """
+        if not self.listing:
+            return
+
         first = len(self.outputs)
         width = outputs.WIDTH.get(source.kind)
         self.tables["n_output"].add(
@@ -378,6 +385,9 @@ class Builder:
 
     def add_parameters(self, name, place, values, unit, description, variability="tunable"):
         """Parameters that stand from a place on; units by element or one for all."""
+        if not self.listing:
+            return
+
         values = np.asarray(values, float)
         units = unit if isinstance(unit, list) else [unit] * values.size
 
@@ -431,8 +441,8 @@ class Builder:
                 variability=parameter.variability,
                 start=parameter.start,
                 unit=parameter.unit,
-                description=parameter.description + guess * self._guess(parameter.array, parameter.index),
-                index=offset[parameter.array] + parameter.index,
+                description=parameter.description + guess * self._guess(parameter.array, parameter.at),
+                index=offset[parameter.array] + parameter.at,
             )
             for parameter in self.parameters
         ]

@@ -86,11 +86,14 @@ def tell_start(builder, name, joint):
     in_tree = name in builder.joint_nodes and not builder.starts_elsewhere
     led = kind_of(joint).led(joint)
 
-    for which, written, values in (
-        (0, joint.given_position(), joint.start_position()),
-        (1, joint.given_velocity(), joint.start_velocity()),
+    for which, written, start in (
+        (0, joint.given_position(), joint.start_position),
+        (1, joint.given_velocity(), joint.start_velocity),
     ):
-        values = led_too(joint, values)
+        if not any(ending is not None for ending in written):
+            continue
+
+        values = led_too(joint, start())
 
         for k, (ending, (coordinate, index)) in enumerate(zip(written, scalars(joint))):
             if ending is None or k in led:

@@ -7,6 +7,7 @@ import hashlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from .bodies import (
     add_work_limit,
     evaluation_cost,
 )
-from .builder import Builder, Table
+from .builder import Builder
 from .constraints import add_constraints
 from .couplings import add_coupling_outputs
 from .drives import add_drives
@@ -58,7 +59,6 @@ class Model:
         each of these, and names of other things.
     tree : nodes, and where the bodies are in them.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
-    guid : hash of all that a simulation depends on.
     notices : what a user should be told of the scene, and of what was made of it.
     formulation : "recursive", "embedding", "augmented", or "apart" (partition.py).
     """
@@ -79,7 +79,6 @@ class Model:
     places: list[str]
     tree: Tree
     coordinates: dict[tuple[str, int], int]
-    guid: str
     notices: list[str]
     formulation: str = "recursive"
 
@@ -100,6 +99,12 @@ class Model:
         u[: self.n_u] = [v.start for v in self.of_causality("input")]
         m = ModelView(ints=self.ints, reals=self.reals.copy() if reals is None else reals)
         return m, DataView(ints=self.ints, state=state, work=work, u=u)
+
+    @cached_property
+    def guid(self) -> str:
+        """Hash of all that a simulation depends on, in the form of a GUID; not made before something asks for it."""
+        h = hashlib.sha256(b"".join(sealed(self))).hexdigest()
+        return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
     @property
     def listed(self) -> list[Variable]:
@@ -167,15 +172,13 @@ def _compile_parted(scene, tree, parted):
 
 
 def _open_model(scene, tree):
-    """The model of a tree alone, without what closes loops, forces and outputs."""
-    builder = Builder(scene, tree, False)
+    """The model of a tree alone, to be asked how it starts: without what closes loops, forces, variables and notices."""
+    builder = Builder(scene, tree, False, listing=False)
     add_settings(builder)
     add_drives(builder)
     add_bodies(builder)
     add_end_frames(builder)
     add_joints(builder)
-    builder.outputs.clear()
-    builder.tables["n_output"] = Table()
     return _assemble(builder, NO_STEPS)
 
 
@@ -201,24 +204,25 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     add_measures(builder)
     add_ground_outputs(builder)
     add_scene_outputs(builder)
-    return _assemble(builder)
+    model = _assemble(builder, STEPPERS[scene.solver.integrator], list_states(builder, _scene_length(scene)))
+    notices = scene.notices + [str(notice) for notice in builder.notices]
+    return replace(model, notices=notices)
 
 
 # the stepper of models that are asked for their start alone: it keeps the least
 NO_STEPS = STEPPERS["rk4"]
 
 
-def _assemble(builder, stepper=None):
-    """The model of all that was collected; stepper: by default that of the scene."""
+def _assemble(builder, stepper, states=()):
+    """The model of all that was collected; states: what model exchange is told of x, none where nobody asks."""
     scene = builder.scene
-    counts = _counts(builder, stepper or STEPPERS[scene.solver.integrator])
+    counts = _counts(builder, stepper)
     add_work_limit(builder, counts)
     header, length = layout.arrange(counts)
     offset = {row.name: header[layout.SLOT[row.name]] for row in layout.ARRAYS}
     places = [node.name for node in builder.nodes] + builder.constraint_names + builder.loop_hints
     values = _values(builder, len(places))
-    states = list_states(builder, values["scene_length"])
-    values["x_nominal"] = [state.nominal for state in states]
+    values["x_nominal"] = [state.nominal for state in states] or np.ones(counts["n_x"])
     places += builder.names
     buffers = {"ints": np.zeros(length["ints"], np.int64), "reals": np.zeros(length["reals"])}
     buffers["ints"][: len(header)] = header
@@ -229,7 +233,7 @@ def _assemble(builder, stepper=None):
         if row.buffer in buffers and size:
             buffers[row.buffer][offset[row.name] : offset[row.name] + size] = np.ravel(values[row.name])
 
-    model = Model(
+    return Model(
         scene=scene,
         name=scene.name,
         identifier=c_identifier(scene.name),
@@ -244,10 +248,8 @@ def _assemble(builder, stepper=None):
         places=places,
         tree=builder.tree,
         coordinates=builder.coordinates,
-        guid="",
-        notices=scene.notices + [str(notice) for notice in builder.notices],
+        notices=[],
     )
-    return replace(model, guid=guid_of(model))
 
 
 def _list_variables(builder, states, offset):
@@ -365,7 +367,8 @@ def _values(builder, first_name):
 def _scene_length(scene):
     """m, size of the parts: mean distance of the joints' markers from the origins of their bodies, whatever else is asked for."""
     ends = [end for joint in scene.joint.values() for end in joint.between]
-    lengths = np.linalg.norm([scene.marker_pose(end)[1] for end in ends], axis=1) if ends else np.zeros(0)
+    places = [scene.marker(end).position for end in ends if "." in end]
+    lengths = np.linalg.norm(places, axis=1) if places else np.zeros(0)
     lengths = lengths[lengths > 0.0]
     return lengths.mean() if lengths.size else 1.0
 
@@ -436,9 +439,3 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
     )
     told = hashlib.sha256(repr((model.listed, model.places)).encode()).digest()
     return np.array(sizes, "<i8").tobytes(), b"".join(array.tobytes() for array in numbers) + told
-
-
-def guid_of(model: Model) -> str:
-    """Hash of all that a simulation depends on, in the form of a GUID."""
-    h = hashlib.sha256(b"".join(sealed(model))).hexdigest()
-    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"

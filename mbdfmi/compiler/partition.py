@@ -59,7 +59,7 @@ def _can_be_parted(scene):
 def _parted(scene, tree):
     """The tree without its joints between bodies; those on the ground and driven ones stay."""
     ground = tree.home["ground"][0]
-    cut = set()
+    cut = set(tree.cuts)
 
     for node in tree.nodes[ground + 1 :]:
         # a joint of several motions is a chain of nodes, of which the first tells
@@ -68,7 +68,7 @@ def _parted(scene, tree):
         if first and node.parent > ground and not scene.joint[node.joint].driver:
             cut.add(node.joint)
 
-    cuts = [name for name in scene.joint if name in cut or name in set(tree.cuts)]
+    cuts = [name for name in scene.joint if name in cut]
     planes = find_planes(scene, tree, cuts)
     nodes: list[Node] = []
     new, turned = {-1: -1}, {}

@@ -70,13 +70,15 @@ def _first_axis(tree):
 
 def _stays(scene, tree, name, planes):
     """Whether a revolute joint that closes a loop has its axis along the normals, and its ends at one height."""
-    ends = []
+    joint, ends = scene.joint[name], []
+    axis = joint.axis
 
-    for side in (0, 1):
-        i, (r, A) = tree.joint_side(scene, name, side, axes_with_z(scene.joint[name].axis))
+    for end in joint.between:
+        i, (r, A) = tree.marker(scene, end)
         n, height = planes[i]
-        across = norm(cross(A[:, 2], n))
-        ends.append((A[:, 2] @ n, across, height + n @ r, np.abs(r).max()))
+        z = dot(A, axis)
+        across = norm(cross(z, n))
+        ends.append((z @ n, across, height + n @ r, np.abs(r).max()))
 
     (along, across, height, size), (other, more, opposite, reach) = ends
     straight = along * other > 0 and max(across, more) < EXACT

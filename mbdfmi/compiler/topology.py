@@ -57,6 +57,7 @@ class Tree:
     home: dict[str, tuple[int, tuple]]
     cuts: list[str]
     in_plane: bool = False
+    _markers: dict[str, tuple[int, tuple]] = field(default_factory=dict, repr=False)
 
     def rows_of(self, joint):
         """The rows of a joint that closes a loop, as in `JointKind.rows`."""
@@ -65,9 +66,12 @@ class Tree:
 
     def marker(self, scene: SceneData, name: str):
         """(node, pose in the node) of "body", "body.marker", "ground" or "ground.marker"."""
-        body, position, axes = scene.marker_pose(name)
-        node, pose = self.home[body]
-        return node, compose(pose, (position, axes))
+        if name not in self._markers:
+            body, position, axes = scene.marker_pose(name)
+            node, pose = self.home[body]
+            self._markers[name] = node, compose(pose, (position, axes))
+
+        return self._markers[name]
 
     def joint_side(self, scene: SceneData, name: str, side: int, turn):
         """(node, pose in the node) of a joint's first (0) or second (1) marker with its axes turned by `turn` (3, 3)."""

@@ -149,8 +149,13 @@ class Massive(Part):
         if self.inertia is None:
             return self.mass, np.array(self.com), np.zeros((3, 3))
 
-        A = (self.inertia_axes or InertiaAxes()).rotation().as_matrix()
-        return self.mass, np.array(self.com), dot(A, inertia_matrix(self.inertia), A.T)
+        inertia = inertia_matrix(self.inertia)
+
+        if self.inertia_axes:
+            A = self.inertia_axes.rotation().as_matrix()
+            inertia = dot(A, inertia, A.T)
+
+        return self.mass, np.array(self.com), inertia
 
 
 class Body(Shown, Observed, Massive):

@@ -1,6 +1,7 @@
 """What a scene's tables are made of: numbers, arrays, axes, choices, and the tables themselves."""
 
 import math
+from functools import cache
 from typing import Annotated, ClassVar, Union, get_args
 
 import numpy as np
@@ -188,8 +189,10 @@ Axis = Annotated[str | tuple, BeforeValidator(axis)]
 
 def unit_vector(axis):
     """The unit vector (3,) of an axis written as a name or as a vector."""
-    vector = np.array(AXES[axis] if isinstance(axis, str) else axis)
-    return vector / norm(vector)
+    if isinstance(axis, str):
+        return np.array(AXES[axis], float)
+
+    return np.array(axis) / norm(axis)
 
 
 def plane_axes(normal):
@@ -324,9 +327,10 @@ class Part(BaseModel, metaclass=_PartType):
         return [name for name in super().__dir__() if name not in OF_PYDANTIC]
 
     @classmethod
+    @cache
     def known_keys(cls):
-        """The keys that the table may have, the one that tells its kind first."""
-        return sorted(cls.model_fields, key=lambda key: key != cls.kind)
+        """The keys that the table may have (tuple), the one that tells its kind first."""
+        return tuple(sorted(cls.model_fields, key=lambda key: key != cls.kind))
 
     @model_validator(mode="after")
     def _check_alternatives(self):
@@ -370,13 +374,15 @@ def adopted(value, checked):
 
 
 def _is_given(part, key):
-    value, default = getattr(part, key), type(part).model_fields[key].default
+    value = getattr(part, key)
     if value is None:
         return False
     if key in part.model_fields_set:
         return True
     # a list, a table or a part that was there by default may have got something
-    return isinstance(value, (list, dict, Part)) and bool(given(value)) and value != default
+    if not (isinstance(value, (list, dict, Part)) and given(value)):
+        return False
+    return value != type(part).model_fields[key].default
 
 
 class Empty(Part):

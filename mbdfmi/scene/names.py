@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from functools import lru_cache
 from typing import Annotated
 
 from pydantic import BeforeValidator
@@ -19,6 +20,7 @@ ESCAPED = frozenset("'\"\\")
 FRAMES = ("ground", "inertial")
 
 
+@lru_cache(4096)
 def fmi_name(text):
     """The text as one part of a structured FMI 2.0 variable name.
 

@@ -211,19 +211,18 @@ def notices(scene):
 
 
 def _parts(holder, path=()):
-    """(path, Part) of all tables of a scene."""
+    """(path, Part) of all tables in a Part, a dict or a list."""
     if isinstance(holder, Part):
         yield path, holder
         items = list(holder)
     elif isinstance(holder, dict):
         items = list(holder.items())
-    elif isinstance(holder, list):
-        items = list(enumerate(holder))
     else:
-        return
+        items = list(enumerate(holder))
 
     for key, value in items:
-        yield from _parts(value, (*path, key))
+        if isinstance(value, (Part, dict, list)):
+            yield from _parts(value, (*path, key))
 
 
 def _numbers(value):

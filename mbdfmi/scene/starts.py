@@ -47,6 +47,9 @@ class Start(Part):
 
     def _key(self, beginning):
         """The key that a group of coordinates was written with, or None."""
+        if not self.model_fields_set:
+            return None
+
         keys = [beginning + ending for ending in ENDINGS]
 
         if beginning == ORIENTATION:
