@@ -23,7 +23,7 @@ def dot(*factors):
 
 
 def _spatial(rows, product):
-    """The same of three rows with a vector or a matrix (3, 3), in half the time; sums begin at 0.0, as numpy's."""
+    """The same of three rows with a vector or a matrix (3, 3), in half the time; sums begin at 0."""
     x, y, z = product.tolist()
 
     if product.ndim == 1:

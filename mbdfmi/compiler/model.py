@@ -406,8 +406,7 @@ def with_values(model: Model, values: Mapping[str, float], notices: Sequence[str
             if v.causality == "parameter":
                 reals[v.index] = values[v.name]
 
-    changed = replace(model, reals=reals, variables=variables, notices=model.notices + notices)
-    return replace(changed, guid=guid_of(changed))
+    return replace(model, reals=reals, variables=variables, notices=model.notices + notices)
 
 
 SEALED_SIZES = ("ints", "reals", "state", "work", "u", "y", "variables")
