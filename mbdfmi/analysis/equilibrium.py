@@ -148,11 +148,9 @@ class _Search:
         manifold = self.manifold
         manifold.put()
         self.pull = manifold.accelerations()[manifold.speeds].copy()
-        mass = np.linalg.inv(manifold.inverse_inertia())
         # L L^T = M: w = L^T v has the mass 1
-        self.L = np.linalg.cholesky(mass)
-        manifold.put()
-        self.K = self.L.T @ manifold.stiffness() @ np.linalg.inv(self.L.T)
+        self.L = np.linalg.cholesky(manifold.inertia())
+        self.K = self.L.T @ np.linalg.solve(self.L, manifold.stiffness().T).T
         self.force = self.L.T @ self.pull
         self.squares, self.own = self._own_motions()
         self.shapes = np.linalg.solve(self.L.T, self.own)
@@ -164,10 +162,17 @@ class _Search:
         Motions without stiffness apart: far from equilibrium accelerations depend on inertias too, K is not
         symmetric, and what it takes to nothing its symmetric part would mix with others.
         """
+        even = 0.5 * (self.K + self.K.T)
+        squares, vectors = np.linalg.eigh(even)
+
+        # where the symmetric part is positive, K takes nothing to nothing
+        if squares[0] > tiny(squares):
+            return squares, vectors
+
         _, sizes, rows = np.linalg.svd(self.K)
         free = sizes <= tiny(sizes)
         none, held = rows[free].T, rows[~free].T
-        squares, vectors = np.linalg.eigh(0.5 * held.T @ (self.K + self.K.T) @ held)
+        squares, vectors = np.linalg.eigh(held.T @ even @ held)
         squares = np.concatenate([squares, np.zeros(none.shape[1])])
         order = np.argsort(squares)
         return squares[order], np.column_stack([held @ vectors, none])[:, order]
@@ -300,14 +305,13 @@ class _Search:
 
     def _newton(self, neutral):
         """The step of Newton's method, none along motions without stiffness."""
-        return self._inverse(neutral) @ self.pull
+        if self.squares[0] > tiny(self.squares):
+            return np.linalg.solve(self.L.T, np.linalg.solve(self.K, self.force))
 
-    def _inverse(self, neutral):
-        """Steps by accelerations."""
         held = self.own[:, ~neutral]
         # far from equilibrium the stiffness is not symmetric, and may be singular otherwise
         inverse = np.linalg.pinv(held.T @ self.K @ held, rcond=NEUTRAL)
-        return np.linalg.solve(self.L.T, held @ inverse @ held.T @ self.L.T)
+        return np.linalg.solve(self.L.T, held @ (inverse @ (held.T @ self.force)))
 
     def _finish(self, neutral):
         """Newton's method as long as it comes closer."""

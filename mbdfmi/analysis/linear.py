@@ -14,11 +14,21 @@ from ..kernels import entry
 from ..run.inputs import known
 from ..scene import variable_name
 from ..scene.errors import listed
-from .differences import derivative
+from .differences import GOOD, derivative
+from .exact import exact
 from .manifold import Manifold
 
 # relative error of a derivative from which on it is told
 POOR = 1e-7
+
+# relative error of exact derivatives, rounding in many sums
+EXACT = 1e-15
+
+# of their check: steps as parts of those of differences, how far these may be off, of what size at least
+CLOSER = 0.1
+ROUGH = 1e-2
+SMALL = 1e-3
+ROUNDED = 1e-11
 
 ENDINGS = (".npz", ".mat")
 
@@ -36,7 +46,7 @@ class Linear:
         states of force elements.
     u0, y0 : inputs and outputs of the state. acceleration : (n_speeds,) v' there; rate : (n_states,) x'
         there.
-    time : s. inverse_inertia : (n_speeds, n_speeds) accelerations by efforts along the velocities.
+    time : s. inertia : (n_speeds, n_speeds) the reduced mass matrix.
     sensitivities : derivatives by parameters, where they were asked for (`Sensitivities`), else None.
     error : estimated relative error of the derivatives. notices : what a user should be told. where : what
         state it is, in words.
@@ -56,7 +66,7 @@ class Linear:
     y0: np.ndarray
     acceleration: np.ndarray
     time: float
-    inverse_inertia: np.ndarray
+    inertia: np.ndarray
     error: float
     title: str
     notices: list[str] = field(default_factory=list)
@@ -88,18 +98,13 @@ class Linear:
         """(n_speeds, n_speeds) efforts along the independent velocities by ways along these: the reduced
         stiffness, at rest.
         """
-        return -np.linalg.solve(self.inverse_inertia, self._by_ways())
+        return -self.inertia @ self._by_ways()
 
     @property
     def damping(self):
         """(n_speeds, n_speeds) likewise by velocities, gyroscopic terms included."""
         p, v = self.n_places, self.n_speeds
-        return -np.linalg.solve(self.inverse_inertia, self.A[p : p + v, p : p + v])
-
-    @property
-    def inertia(self):
-        """(n_speeds, n_speeds) the reduced mass matrix."""
-        return np.linalg.inv(self.inverse_inertia)
+        return -self.inertia @ self.A[p : p + v, p : p + v]
 
     def _by_ways(self):
         """(n_speeds, n_speeds) accelerations by ways that velocities lead to."""
@@ -142,17 +147,16 @@ def check_matrices(path):
         raise ValueError(f"{path}: let its name end in .npz (numpy) or .mat (MATLAB, Octave)")
 
 
-def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:
-    """The same of the state that a manifold looks at."""
+def about(manifold: Manifold, inputs=None, outputs=None, notices=(), traced=False) -> Linear:
+    """The same of the state that a manifold looks at; traced : by exact derivatives, where there are some."""
     model, m, d = manifold.model, manifold.m, manifold.d
     u_at, u_names, left = _inputs(model, m, inputs)
     y_at, y_names = _chosen(model, outputs, "output")
     look = _Look(manifold, y_at)
     n, n_z, n_seen = len(manifold.free), len(manifold.z), look.n_rates
     here = look.here()
-    T, worst = look.along()
+    T, by_inputs, worst = look.derivatives(u_at, here, traced)
     manifold.put()
-    by_inputs = look.by_inputs(u_at)
     rate, z_rate, shown, away, speed, z = np.split(T, np.cumsum([n, n_z, len(y_at), n, n]))
     P, V = manifold.places, manifold.speeds
     away, speed, turning, rate = manifold.drift(away, speed, rate)
@@ -169,6 +173,10 @@ def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:
             f"{listed(left)} {'commands' if len(left) == 1 else 'command'} motion, which acts by its rates "
             "too: held, no input of the linear model"
         )
+    if look.kinks[n_seen:].any():
+        names = [name for name, bent in zip(y_names, look.kinks[n_seen:]) if bent]
+        notes.append(f"{listed(names, limit=6)}: a kink is here, and the derivative a mean of its two sides")
+
     if worst > POOR:
         notes.append(
             f"derivatives are known to {worst:.1g} alone: the state is at, or within differences of, a kink "
@@ -190,7 +198,7 @@ def about(manifold: Manifold, inputs=None, outputs=None, notices=()) -> Linear:
         y0=here[n_seen:],
         acceleration=here[:n][V],
         time=float(d.time[0]),
-        inverse_inertia=manifold.inverse_inertia(),
+        inertia=manifold.inertia(),
         error=worst,
         title=model.title,
         notices=notes,
@@ -238,6 +246,7 @@ class _Look:
         self.y = np.zeros(manifold.model.n_y)
         self.z_rates = manifold.z - self.m.n_q - self.m.n_v
         self.n_rates = len(manifold.free) + len(manifold.z)
+        self.kinks = np.zeros(self.n_rates + len(y_at), bool)
 
     def here(self):
         """(n_rates + n_y,) of the state as it is."""
@@ -258,7 +267,59 @@ class _Look:
         manifold, d = self.manifold, self.d
         return np.concatenate([self.here(), manifold.away(d.x), d.v[manifold.free], d.x[manifold.z]])
 
-    def along(self):
+    def derivatives(self, u_at, here, traced):
+        """(derivatives along the independent coordinates, by inputs, relative error); here : what is seen."""
+        found = exact(self.manifold, self.y_at, u_at) if traced else None
+
+        bent = self._bent(found.along, here) if found else np.ones(1, bool)
+
+        if found and not bent[: self.n_rates].any():
+            along, by_inputs = found
+
+            if bent.any():
+                along[: len(bent)][bent] = self.along(here)[0][: len(bent)][bent]
+
+            return along, by_inputs, EXACT
+
+        along, worst = self.along(here)
+        self.manifold.put()
+        return along, self.by_inputs(u_at), worst
+
+    def _bent(self, along, here):
+        """(n_rates + n_y,): what is not as differences of order 2 have it, as there is a kink near, on one
+        side of which a trace is.
+        """
+        manifold = self.manifold
+        n, p = len(here), len(manifold.places)
+        own = n + len(manifold.free) + manifold.speeds
+        by_speeds = along[:, p : p + len(own)]
+
+        bent = np.zeros(n, bool)
+        # rates are of one sort, outputs of many
+        every = np.abs(along[:n])
+        every[: self.n_rates] = every[: self.n_rates].max(axis=0, initial=0.0)
+
+        for column, size, (kind, direction, step) in zip(along.T, every.T, manifold.directions()):
+            step *= CLOSER
+            seen = []
+
+            for k in (-2, -1, 1, 2):
+                manifold.go(kind, direction, k * step)
+                speeds = self.d.v[manifold.free[manifold.speeds]]
+                seen.append(np.concatenate([self.here(), speeds]))
+
+            rate, speed = np.split((seen[2] - seen[1]) / (2.0 * step), [n])
+            # on the constraints speeds may go along otherwise
+            exact_rate = (column + by_speeds @ (speed - column[own]))[:n]
+            near, far = (seen[1] + seen[2])[:n] - 2.0 * here, (seen[0] + seen[3])[:n] - 2.0 * here
+            # of what is smooth the second is four times the first, at a kink twice
+            off = np.abs(rate - exact_rate) + np.abs(far - 4.0 * near) / step
+            bent |= ~(off <= ROUGH * np.maximum(size + off, SMALL) + ROUNDED * np.abs(seen[3][:n]) / step)
+
+        self.kinks |= bent
+        return bent
+
+    def along(self, here):
         """(derivatives along the independent coordinates, by columns, of all of that; relative error)."""
         manifold = self.manifold
         measured = slice(0, self.n_rates)
@@ -267,6 +328,11 @@ class _Look:
         exact = self.m.n_row == 0
         see = self.here if exact else self._with_place
         columns, worst = [], 0.0
+        manifold.put()
+        centre = here if exact else see()
+
+        kinks = np.zeros(len(centre), bool)
+        still = exact and manifold.rests and not len(self.y_at) and self._are_even_in_speeds()
 
         for kind, direction, step in manifold.directions():
 
@@ -274,8 +340,10 @@ class _Look:
                 manifold.go(kind, direction, h)
                 return see()
 
-            even = kind == 1 and exact and manifold.rests and not len(self.y_at)
-            found, error = derivative(at, step, measured, even)
+            if kind == 1 and still:
+                found, error = np.zeros(len(centre)), GOOD
+            else:
+                found, error = derivative(at, step, measured, here=centre, kinks=kinks)
 
             if exact:
                 place = [np.zeros(n), np.zeros(n), np.zeros(n_z)]
@@ -285,8 +353,30 @@ class _Look:
             columns.append(found)
             worst = max(worst, error)
 
+        self.kinks |= kinks[: len(self.kinks)]
         size = self.n_rates + len(self.y_at) + 2 * n + n_z
         return np.array(columns).reshape(len(columns), size).T, worst
+
+    def _are_even_in_speeds(self):
+        """Whether no rate depends on velocities in the first place, as at rest without dampers: two drawn
+        ones that are turned round make no difference, which else is as likely as to draw a number twice.
+        """
+        manifold = self.manifold
+        draw = np.random.default_rng(1)
+        n = max(1, len(manifold.speeds))
+
+        for _ in range(2):
+            speeds = manifold.V @ (draw.uniform(0.5, 1.0, len(manifold.speeds)) / n) * manifold.unit
+
+            for size in (1.0, 1e-2):
+                manifold.put(velocity=size * speeds)
+                ahead = self.here()
+                manifold.put(velocity=-size * speeds)
+
+                if np.abs(ahead - self.here()).max(initial=0.0) > GOOD * np.abs(ahead).max(initial=0.0):
+                    return False
+
+        return True
 
     def by_inputs(self, u_at):
         """(n_rates + n_y, n_u) derivatives by inputs."""

@@ -40,10 +40,10 @@ def linearise(
     by : names of parameters: `sensitivities` then has derivatives by them of the state, where that is the
         equilibrium, of outputs, frequencies and damping.
 
-    Coordinates are deviations from the state, which may move on. Derivatives are differences of order 8 with
-    control of the step; `error` is their estimated error. Raises SimulationError where the state is not
-    reached, NoState where the motion cannot go on from there, NoEquilibrium, KeyError for unknown names,
-    ValueError.
+    Coordinates are deviations from the state, which may move on. Derivatives are exact where the scene's
+    equations can be traced, else differences with control of the step; `error` is their estimated error.
+    Raises SimulationError where the state is not reached, NoState where the motion cannot go on from there,
+    NoEquilibrium, KeyError for unknown names, ValueError.
     """
     if axes not in AXES:
         raise ValueError(f"axes = {axes!r}: write {' or '.join(map(repr, AXES))}")
@@ -53,7 +53,7 @@ def linearise(
         parameters = None
 
     mechanism, where, notices = state_at(scene, at, hold, parameters, progress)
-    linear = replace(about(Manifold(mechanism, axes), inputs, outputs, notices), where=where)
+    linear = replace(about(Manifold(mechanism, axes), inputs, outputs, notices, traced=True), where=where)
 
     if not by:
         return linear

@@ -14,6 +14,7 @@ from ..compiler.joint_kinds import scalars
 from ..compiler.variables import dotted
 from ..kernels import exchange, forces, joints
 from ..kernels.dynamics import forward, inertia, rates, rows
+from ..kernels.joints import rotors
 from ..kernels.joints.kinds import E_OFFSET
 from ..kernels.motion import coordinates, drives, kinematics
 from ..kernels.status import OK
@@ -36,6 +37,10 @@ QUICKER = 0.02
 # rad/s and sine of an angle that are none
 SLOW = 1e-9
 ALONG = 1e-7
+
+
+# part by which the efforts of a summed inertia may be off those of a response
+ALIKE = 1e-10
 
 
 class NoState(ArithmeticError, ValueError):
@@ -303,29 +308,93 @@ class Manifold:
         level = np.cross(down, spin)
         return Frame(False, (A @ self.rate0[w]) @ level / (level @ level) * down)
 
-    def inverse_inertia(self):
-        """(n_v, n_v) accelerations of the independent velocities by efforts along these."""
+    def inertia(self):
+        """(n_v, n_v) reduced mass: efforts along the independent velocities by their rates."""
+        found = self._summed_inertia()
+        return np.linalg.inv(self._inverse_by_responses()) if found is None else found
+
+    def _summed_inertia(self):
+        """The reduced mass by the kinetic energies of nodes and rotors; None where more moves than that,
+        which the response to a drawn effort tells.
+        """
+        own = self.speeds
+
+        if not len(own):
+            return np.zeros((0, 0))
+
+        blocks, twist, _ = self.inertias
+        ways = np.tensordot(self.V.T, twist, 1)
+        carried = np.einsum("nij,vnj->vni", blocks, ways)
+        n = len(own)
+        found = ways.reshape(n, -1) @ carried.reshape(n, -1).T + self.V.T @ self._of_rotors() @ self.V
+        found = 0.5 * (found + found.T)
+        efforts = found @ (np.random.default_rng(1).uniform(0.5, 1.0, n) * self.unit[own])
+        self._ready()
+        off = (found @ self._response(self.free[own], efforts) - efforts) * self.unit[own]
+        return found if np.abs(off).max() <= ALIKE * np.abs(efforts * self.unit[own]).max() else None
+
+    def _of_rotors(self):
+        """(n, n) what rotors add to the inertia of the free coordinates."""
+        m, d = self.m, self.d
+        found = np.zeros((len(self.free), len(self.free)))
+
+        for i in m.rotor_body[: m.n_rotor].tolist():
+            at = np.flatnonzero(self.free == m.body_v[i])
+            turn = self.place.twist[:, rotors.host(m, i), :3] @ d.axis[3 * i : 3 * i + 3]
+            found[at] += rotors.coupling(m, i) * turn
+            found[:, at] += rotors.coupling(m, i) * turn[:, None]
+            found[at, at] += rotors.own(m, i)
+
+        return found
+
+    @property
+    def inertias(self):
+        """(blocks (n_body - 1, 6, 6), twists (n, n_body - 1, 6) by free coordinates, inertias (n,) that each
+        moves alone), of the nodes at the state looked at, about their origins, inertial axes.
+        """
         m, d = self.m, self.d
         self.put()
-        found = np.empty((len(self.speeds), len(self.speeds)))
-        own = self.free[self.speeds]
+        kinematics.kinematics(m, d)
+        inertia.inertias(m, d)
+        blocks = _spatial(m, d)
+        twist = self.place.twist[:, 1:]
+        carried = np.einsum("nij,knj->kni", blocks, twist)
+        own = np.einsum("kni,kni->k", twist, carried) + np.diag(self._of_rotors())
+
+        return blocks, twist, own
+
+    def _ready(self):
+        """The state looked at, as far as responses to efforts need it."""
+        m, d = self.m, self.d
+        self.put()
         rates.set_time(m, d, 0.0)
         drives.prescribe(m, d)
         kinematics.kinematics(m, d)
 
-        def response(at, effort):
+    def _response(self, at, efforts):
+        """(n_v,) change of the independent accelerations by efforts at velocity coordinates."""
+        m, d = self.m, self.d
+        found = []
+
+        for sign in (1.0, -1.0):
             inertia.inertias(m, d)
             forces.apply(m, d)
-            d.tau[at] += effort
+            d.tau[at] += sign * efforts
             self._check(forward.accelerate(m, d))
-            return d.v_rate[own].copy()
+            found.append(d.v_rate[self.free[self.speeds]].copy())
 
-        for k, at in enumerate(own.tolist()):
+        return 0.5 * (found[0] - found[1])
+
+    def _inverse_by_responses(self):
+        found = np.empty((len(self.speeds), len(self.speeds)))
+        self._ready()
+
+        for k, at in enumerate(self.free[self.speeds].tolist()):
             size = 1.0
 
             # efforts that make accelerations of the size of 1
             for _ in range(2):
-                found[k] = (response(at, size) - response(at, -size)) / (2.0 * size)
+                found[k] = self._response(at, size) / size
                 size = 1.0 / max(np.abs(found[k]).max(), 1e-300)
 
                 if 1e-4 < size < 1e4:
@@ -348,6 +417,37 @@ class Manifold:
             found[:, k] = (self.accelerations()[self.speeds] - ahead) / (2.0 * h)
 
         return found
+
+
+def _spatial(m, d):
+    """(n_body - 1, 6, 6) inertias of the nodes about their origins, inertial axes, as angular then linear."""
+    found = np.zeros((m.n_body, 6, 6))
+    found[:, :3, :3] = _symmetric(d.I)
+    h, mass = d.h.reshape(-1, 3), d.body_m
+    found[:, :3, 3:] = _crossed(h)
+    found[:, 3:, 3:] = mass[:, None, None] * np.eye(3)
+    added = m.body_added == 1
+
+    if added.any():
+        found[added, :3, 3:] = d.H.reshape(-1, 3, 3)[added]
+        found[added, 3:, 3:] = _symmetric(d.M)[added]
+
+    found[:, 3:, :3] = found[:, :3, 3:].transpose(0, 2, 1)
+    return found[1:]
+
+
+def _symmetric(values):
+    """(n, 3, 3) of (xx, yy, zz, xy, xz, yz) each."""
+    return values.reshape(-1, 6)[:, [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
+
+
+def _crossed(vectors):
+    """(n, 3, 3): matrices of the cross products with vectors (n, 3)."""
+    found = np.zeros((len(vectors), 3, 3))
+    x, y, z = vectors.T
+    found[:, 2, 1], found[:, 0, 2], found[:, 1, 0] = x, y, z
+    found[:, 1, 2], found[:, 2, 0], found[:, 0, 1] = -x, -y, -z
+    return found
 
 
 def _independent(motions, weights):

@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 import scipy  # which imports its parts when they are asked for
 
-from ..kernels.dynamics import inertia
-from ..kernels.motion import kinematics
 from ..scene.errors import listed
 
 # a column or row of A that small beside the largest element of its kind is nothing: what it is about does not
@@ -212,16 +210,18 @@ def _undamped(linear, by_ways, by_speeds):
     if np.abs(by_speeds).max(initial=0.0) > SYMMETRIC * np.sqrt(np.abs(by_ways).max(initial=1e-300)):
         return None
 
-    L = np.linalg.cholesky(linear.inverse_inertia)
-    K = -np.linalg.solve(L, by_ways @ L)
+    stiffness = linear.inertia @ by_ways
 
-    if np.abs(K - K.T).max(initial=0.0) > SYMMETRIC * np.abs(K).max(initial=1e-300):
+    if np.abs(stiffness - stiffness.T).max(initial=0.0) > SYMMETRIC * np.abs(stiffness).max(initial=1e-300):
         return None
 
+    # L L^T = M: in L^T v the mass is 1
+    L = np.linalg.cholesky(linear.inertia)
+    K = -L.T @ scipy.linalg.solve_triangular(L, by_ways.T, lower=True).T
     squares, shapes = np.linalg.eigh(0.5 * (K + K.T))
     squares[np.abs(squares) <= FREE * np.abs(squares).max(initial=0.0)] = 0.0
     roots = np.sqrt(-squares.astype(complex))
-    shapes = L @ shapes
+    shapes = scipy.linalg.solve_triangular(L, shapes, lower=True, trans="T")
     values = np.concatenate([roots, -roots])
     return values, np.block([[shapes, shapes], [shapes * roots, -shapes * roots]]).reshape(2 * n, 2 * n)
 
@@ -235,22 +235,7 @@ class _Shares:
 
     @cached_property
     def _inertias(self):
-        """(blocks (n_body, 6, 6), twists (n, n_body, 6) by coordinates, inertia (n,) that each moves)."""
-        manifold = self.manifold
-        m, d = manifold.m, manifold.d
-        manifold.put()
-        kinematics.kinematics(m, d)
-        inertia.inertias(m, d)
-        blocks = np.array([_spatial(m, d, i) for i in range(1, m.n_body)]).reshape(-1, 6, 6)
-        twist = manifold.place.twist[:, 1:]
-        carried = np.einsum("nij,knj->kni", blocks, twist)
-        own = np.einsum("kni,kni->k", twist, carried)
-
-        for k in range(m.n_rotor):
-            at = np.flatnonzero(manifold.free == m.body_v[m.rotor_body[k]])
-            own[at] += m.rotor_ratio[k] ** 2 * m.rotor_inertia[k]
-
-        return blocks, twist, own
+        return self.manifold.inertias
 
     def of(self, vector):
         """(shape, shares of joints, shares of bodies) of an eigenvector of the states."""
@@ -276,18 +261,6 @@ def _told(node):
     """A node by its first body."""
     more = len(node.bodies) - 1
     return f"{node.bodies[0]} (+{more})" if more > 0 else node.name
-
-
-def _spatial(m, d, i):
-    """(6, 6) inertia of a node about its origin, inertial axes, as angular then linear."""
-    I, H, M = inertia.inertia_blocks(m, d, i)
-    return np.block([[_symmetric(I), np.array(H)], [np.array(H).T, _symmetric(M)]])
-
-
-def _symmetric(values):
-    """(3, 3) of (xx, yy, zz, xy, xz, yz)."""
-    xx, yy, zz, xy, xz, yz = values
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def _summed(names, values):

@@ -22,9 +22,9 @@ from .record import Guard, Tracer
 class SceneGraph:
     """A scene as a graph, recorded at the state of an instance.
 
-    time, states, inputs, parameters : nodes of its leaves. rates, outputs : nodes of x' and y. guards : what
-    it rests on: where one does not hold, a branch goes otherwise. parameter_names : of the parameters, as in
-    an FMU.
+    time, states, inputs, parameters : nodes of its leaves. rates, outputs : nodes of x' and y; gap_rates : of
+    the rates of the constraints' gaps. guards : what it rests on: where one does not hold, a branch goes
+    otherwise. parameter_names : of the parameters, as in an FMU.
     """
 
     graph: Graph
@@ -34,13 +34,17 @@ class SceneGraph:
     parameters: list[int]
     rates: list[int]
     outputs: list[int]
+    gap_rates: list[int]
     guards: list[Guard]
     parameter_names: list[str]
 
 
 @dataclass(frozen=True)
 class Derivatives:
-    """Of x' and y by x, u, and by parameters p, as numbers; rates, outputs : x' and y themselves."""
+    """Of x' and y by x, u, and by parameters p, as numbers; rates, outputs : x' and y themselves.
+
+    gap_rates_by_states : of the rates of the constraints' gaps by x.
+    """
 
     rates: np.ndarray
     outputs: np.ndarray
@@ -50,6 +54,7 @@ class Derivatives:
     D: np.ndarray
     rates_by_parameters: np.ndarray
     outputs_by_parameters: np.ndarray
+    gap_rates_by_states: np.ndarray
 
 
 def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) -> SceneGraph:
@@ -64,7 +69,10 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
     reals = [by_name[name] for name in parameters]
     (now, _), x = places(model, "time"), places(model, "x")
     inputs = range(model.n_u)
-    given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs), "work": places_of(model, COMMANDED)}
+    # joints that are held where no drive holds them (an equilibrium's) go on being held
+    held = {j for j in places(model, "held") if instance.d.work_buffer[j] != 0.0}
+    work = places_of(model, COMMANDED) | held
+    given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs), "work": work}
     tracer = Tracer(instance.m, instance.d, given, exact=False)
     graph = tracer.graph
 
@@ -80,6 +88,7 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
 
     tracer.run("dynamics.rates", "evaluate", 0.0)
     rates = [tracer.node_at("work", j) for j in places(model, "x_rate")]
+    gap_rates = [tracer.node_at("work", j) for j in places(model, "row_rate")]
     y = [0.0] * (model.n_y if outputs else 0)
 
     if y:
@@ -93,6 +102,7 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
         of_parameters,
         rates,
         [tracer.node_of(value) for value in y],
+        gap_rates,
         list(tracer.guards.values()),
         list(parameters),
     )
@@ -106,11 +116,11 @@ def derivatives(instance, parameters: Sequence[str] = (), outputs: bool = True) 
     """
     scene = scene_graph(instance, parameters, outputs)
     graph = scene.graph
-    n, u = len(scene.states), len(scene.inputs)
-    wanted = [*scene.rates, *scene.outputs]
+    n, u, y = len(scene.states), len(scene.inputs), len(scene.outputs)
+    wanted = [*scene.rates, *scene.outputs, *scene.gap_rates]
     leaves = [*scene.states, *scene.inputs, *scene.parameters]
     whole = at_the_trace(graph, wanted, leaves)
-    f, g = whole[:n], whole[n:]
+    f, g, gaps = whole[:n], whole[n : n + y], whole[n + y :]
     return Derivatives(
         np.array([graph.values[k] for k in scene.rates], float),
         np.array([graph.values[k] for k in scene.outputs], float),
@@ -120,4 +130,5 @@ def derivatives(instance, parameters: Sequence[str] = (), outputs: bool = True) 
         g[:, n : n + u],
         f[:, n + u :],
         g[:, n + u :],
+        gaps[:, :n],
     )
