@@ -145,16 +145,20 @@ def _entries() -> str:
         buffers = ", ".join(f"(c)->{buffer}" for buffer in view.buffer_names)
         lines.append(f"#define {name.upper()}_OF(c) {buffers}\n")
 
-    for name, kernel in entry.ENTRIES.items():
-        signature = kernel.signature
-        given = inspect.signature(kernel).parameters
-        arguments = [_argument(kind, argument) for kind, argument in zip(signature.args, given)]
-        result = f"{_TYPES[signature.return_type]}*status"
-        lines.append(f"\nint32_t {name}({', '.join([result, 'void **excinfo', *arguments])});\n")
-
+    lines += [f"\n{prototype(name)};\n" for name in entry.ENTRIES]
     lines.append("\n/* The GUID of the one model that the library is for; empty: for all. */\n")
     lines.append("extern const char mbdfmi_only_guid[];\n")
     return f"/* Entries of the kernels; see kernels.h. */\n{''.join(lines)}".rstrip()
+
+
+def prototype(name: str) -> str:
+    """An entry as C declares it."""
+    kernel = entry.ENTRIES[name]
+    signature = kernel.signature
+    given = inspect.signature(kernel).parameters
+    arguments = [_argument(kind, argument) for kind, argument in zip(signature.args, given)]
+    result = f"{_TYPES[signature.return_type]}*status"
+    return f"int32_t {name}({', '.join([result, 'void **excinfo', *arguments])})"
 
 
 def _argument(kind, name: str) -> str:

@@ -57,8 +57,12 @@ def library(platform: str, progress: Callable[[str], None] = lambda text: None) 
 
 def library_name(platform: str) -> str:
     """What the library for a platform is called: by the sources of the kernels, and by those of the rest."""
-    rest = _hash(_wrapper_files(), header.layout_header())
-    return f"{source_hash()}-{rest}-{platform}{PLATFORMS[platform].suffix}"
+    return f"{source_hash()}-{wrapper_hash()}-{platform}{PLATFORMS[platform].suffix}"
+
+
+def wrapper_hash() -> str:
+    """Hash (hex) of all that a library is made of beside the kernels."""
+    return _hash(_wrapper_files(), header.layout_header())
 
 
 def kernels(progress):

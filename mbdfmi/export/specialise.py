@@ -1,5 +1,4 @@
-"""A library of one scene: its kernels with the scene's structure bound, x' = f traced for it
-(docs/specialise.md).
+"""A library of one scene: compiled from the scene's own code (`core`), x' = f traced where that pays (docs/specialise.md).
 
 It knows no other scene: its wrapper refuses a model of another GUID.
 """
@@ -13,13 +12,13 @@ from pathlib import Path
 from ..files import replacing
 from ..kernels.dynamics import rates
 from ..kernels.entry import ENTRIES
-from ..kernels.language import INTERPRETED, JIT
 from ..native.platforms import PLATFORMS, host_platform
 from ..native.sources import cache_directory
 from ..run.instance import Instance, SimulationError
 from ..trace.graph import Untraceable
-from ..trace.specialise import GENERIC, HEAD, Traced, symbol_of, trace_rates
+from ..trace.specialise import Traced, trace_rates
 from . import header, link
+from .core import core
 
 MOST_OPERATIONS = 3000
 """Operations of a trace at most: about 32 kB of code, the instruction cache. Beyond it loops are faster."""
@@ -33,18 +32,11 @@ SPAN = 1.0
 MOST_FAILING = 0.25
 """Part of these states in which a guard may fail."""
 
-KERNEL = symbol_of("dynamics.rates", "evaluate_now")
-"""The kernel that is traced: x' = f."""
-
-FLAGS = ("-fno-math-errno",)
+FLAGS = ("-O3", "-fno-math-errno")
 """Of the compiler: square roots without a look at `errno`."""
 
 WRAPPER_FLAGS = ("-Os",)
 """Of the compiler, for the wrapper, whose time does not count."""
-
-
-class SpecialiseError(ValueError):
-    """A scene's own library cannot be made; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -98,50 +90,21 @@ def scene_library(
 ) -> Path:
     """The library of a model for a platform (by default this machine's), made and kept.
 
-    found : what `own` has found, if that is known already. Raises SpecialiseError, aot.CompileError,
-    link.LinkError.
+    found : what `own` has found, if that is known already. Raises link.LinkError.
     """
     platform = platform or host_platform()
-    narrowed = _narrowing()
     found = found or own(model)
-    text = f"{HEAD}\n{found.traced.text}\n" if found.traced else ""
+    text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
-    digest = hashlib.sha256(f"{link.library_name(platform)}{model.guid}{text}".encode()).hexdigest()[:20]
+    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, *FLAGS]).encode()).hexdigest()[:20]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
 
     if not path.exists():
-        kernels = link.kernels(progress)
         progress(f"compiling for this scene and {platform}")
 
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
-            sources = [Path(name) / "scene.ll"]
-            sources[0].write_text(
-                narrowed(kernels, model.ints, KERNEL, KERNEL + GENERIC if found.traced else None)
-            )
-
-            if text:
-                sources.append(Path(name) / "traced.c")
-                sources[1].write_text(text)
-
-            link.link(PLATFORMS[platform], sources, file, table, FLAGS, WRAPPER_FLAGS)
+            source = Path(name) / "scene.c"
+            source.write_text(text, encoding="utf-8")
+            link.link(PLATFORMS[platform], [source], file, table, FLAGS, WRAPPER_FLAGS)
 
     return path
-
-
-def _narrowing():
-    """`narrow.narrowed`, where what it needs is installed and the kernels of this process are the compiled ones."""
-    if INTERPRETED or JIT:
-        raise SpecialiseError(
-            "a scene's own library stands beside the compiled kernels; this process has them interpreted or "
-            "compiled one by one (MBDFMI_INTERPRETED, MBDFMI_JIT)"
-        )
-
-    try:
-        from .narrow import narrowed
-    except ImportError as error:
-        raise SpecialiseError(
-            f"a scene's own library is compiled from the kernels, which needs {error.name}: "
-            "pip install 'mbdfmi[build]'"
-        ) from None
-
-    return narrowed

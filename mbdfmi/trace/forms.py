@@ -4,9 +4,10 @@ import keyword
 import re
 from collections.abc import Sequence
 
-from . import c99
+from . import c99, searches
 from .c99 import C99
 from .graph import Untraceable
+from .program.functions import Program
 from .write import Body, Language, Places
 
 _WORDS = {
@@ -328,8 +329,10 @@ def c_text(of) -> str:
         f"static const double {name}[] = {{{', '.join(map(c99.number, values))}}};"
         for name, (_, values) in of.tables.items()
     ]
-    start = ["#include <math.h>\n#include <stdint.h>", *listed, *c99.helpers(calls), *tables, *parts]
-    return f"/* {text.head()} */\n\n" + "\n\n".join(start) + "\n"
+    program = Program()
+    helpers = program.text(searches.called(program, calls), "\n".join(parts))
+    start = ["#include <math.h>\n#include <stdint.h>", *listed, *helpers, *tables, *parts]
+    return f"/* {text.head()} */\n\n" + "\n\n".join(text for text in start if text) + "\n"
 
 
 def _unused(text, used):

@@ -1,23 +1,32 @@
 """Loops that end by values: each is one operation of the graph.
 
 A graph has no loops, and how often such a one turns is no matter of structure. So it is called: in C it is
-the kernel itself, written out by `translate`, in Python the kernel.
+the kernel itself, translated by `program`, in Python the kernel.
 """
+
+from collections.abc import Iterable
 
 from ..kernels.math import tables
 from ..kernels.motion import ellipses
 from .graph import INT, REAL
 from .plain import plain_function
+from .program.functions import Function, Program
+from .program.shapes import ANY_INT, ANY_REAL, Array
 from .symbols import Symbol, node_of, symbol_of
 
 FUNCTIONS = {
-    "left_knot": (
-        plain_function(tables.left_knot),
-        {"knot_x": "const double *", "first": "int64_t", "knots": "int64_t", "x": "double"},
-    ),
-    "eccentric_anomaly": (plain_function(ellipses.eccentric_anomaly), {"M": "double", "e": "double"}),
+    "left_knot": (plain_function(tables.left_knot), [Array(REAL), ANY_INT, ANY_INT, ANY_REAL]),
+    "eccentric_anomaly": (plain_function(ellipses.eccentric_anomaly), [ANY_REAL, ANY_REAL]),
 }
-"""The kernels that are such loops, by name, and the types of their parameters in C."""
+"""The kernels that are such loops, by name, and what they take."""
+
+_CALLED_BY = {"interval": "left_knot", "eccentric_anomaly": "eccentric_anomaly"}
+
+
+def called(program: Program, calls: Iterable[str]) -> list[Function]:
+    """The loops that some operations are, as functions of a program in C under their names."""
+    names = sorted({_CALLED_BY[call] for call in calls if call in _CALLED_BY})
+    return [program.add(*FUNCTIONS[name], name) for name in names]
 
 
 def _interval(function):
