@@ -247,6 +247,7 @@ class Scene(_scene.SceneData):
         with_scene : whether the file that it was read from goes with the FMU, in resources/.
         fmi : among the options, 2 or 3; by default FMI 2.0.
         specialise : among the options, True for libraries of this scene alone (docs/specialise.md).
+        with_sources : among the options, True for its code in C99 too, in sources/ (docs/specialise.md).
         """
         from .export import export_fmu
 

@@ -3,6 +3,7 @@ exact.
 """
 
 import ctypes
+import re
 import subprocess
 import sys
 from functools import cache
@@ -11,13 +12,15 @@ import numpy as np
 import pytest
 
 import mbdfmi
+from mbdfmi.export.core import PREAMBLE
 from mbdfmi.kernels.dynamics import rates
 from mbdfmi.kernels.layout import ARRAY
 from mbdfmi.native.platforms import PLATFORMS, host_platform
 from mbdfmi.run.instance import Instance
-from mbdfmi.trace import c99, derivatives, functions, places, specialise
+from mbdfmi.trace import c99, derivatives, functions, places, searches, specialise
 from mbdfmi.trace.graph import Graph, Untraceable
 from mbdfmi.trace.plain import Kernels
+from mbdfmi.trace.program.functions import Program
 from tests import model_files
 
 # the forces of waves on large bodies are kept from one evaluation to the next: no straight-line code does that
@@ -40,14 +43,22 @@ def moved(path):
     return instance
 
 
-GENERIC = """
+ENTRY = """
 int64_t fallbacks;
-int32_t {symbol}_generic(int64_t *status, void **e, const int64_t *i, double *r, const int64_t *j, double *s,
-                         double *w, double *u)
+static int32_t kernel(const Run *run)
 {{
-    (void)status, (void)e, (void)i, (void)r, (void)j, (void)s, (void)w, (void)u;
+    (void)run;
     fallbacks++;
     return 0;
+}}
+
+{text}
+
+int32_t scene(double *reals, double *state, double *work, double *u)
+{{
+    const Run run = {{reals, state, work, u}};
+
+    return traced_rates(&run);
 }}
 """
 
@@ -63,9 +74,12 @@ def traced(tmp_path_factory):
 
     for k, made in enumerate(found.values()):
         source = folder / f"scene{k}.c"
-        text = specialise.HEAD + "\n" + made.text + GENERIC.format(symbol=made.symbol)
-        text = text.replace(made.symbol, f"scene{k}").replace("fallbacks", f"fallbacks{k}")
-        source.write_text(text)
+        text = ENTRY.format(text=made.text("kernel"))
+        program = Program()
+        parts = [PREAMBLE, *program.text(searches.called(program, made.calls), text)]
+        text = re.sub(r"\b(scene|fallbacks)\b", rf"\g<1>{k}", text)
+        text = text if made.guards else text.replace("static int32_t kernel", "int32_t kernel")
+        source.write_text("\n\n".join([*parts, text]))
         sources.append(source)
 
     library = folder / "traced.so"
@@ -78,14 +92,11 @@ def traced(tmp_path_factory):
 
     def of(k):
         native = getattr(loaded, f"scene{k}")
-        native.argtypes = [ctypes.c_void_p] * 8
+        native.argtypes = [ctypes.c_void_p] * 4
 
         def call(m, d):
-            status, exception = ctypes.c_int64(), ctypes.c_void_p()
-            native(
-                ctypes.addressof(status), ctypes.addressof(exception), *m.model_addresses, *d.data_addresses
-            )
-            return status.value
+            buffers = (m.reals_buffer, d.state_buffer, d.work_buffer, d.u_buffer)
+            return native(*(buffer.ctypes.data for buffer in buffers))
 
         return call, ctypes.c_int64.in_dll(loaded, f"fallbacks{k}")
 

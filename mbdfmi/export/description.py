@@ -1,6 +1,7 @@
 """modelDescription.xml of FMI 2.0: what a tool reads about an FMU; and what FMI 3.0 has in common with it."""
 
 import os
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
@@ -26,10 +27,10 @@ class DescriptionError(Exception):
     """The description does not keep to the FMI schema; the text lists where."""
 
 
-def description(model) -> bytes:
+def description(model, sources: Sequence[str] = ()) -> bytes:
     """modelDescription.xml of a model, UTF-8, checked against the FMI 2.0 schema.
 
-    Raises DescriptionError when it is not valid.
+    sources : names of the files in sources/ that are compiled. Raises DescriptionError when it is not valid.
     """
     root = etree.Element(
         "fmiModelDescription",
@@ -39,7 +40,7 @@ def description(model) -> bytes:
         **texts_of(model),
     )
 
-    _kinds(root, model)
+    _kinds(root, model, sources)
     units = {v.unit for v in model.listed}
     add_units(root, units)
     add_types(root, units, 2)
@@ -87,7 +88,7 @@ def generation_time() -> datetime:
     return datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
 
 
-def _kinds(root, model) -> None:
+def _kinds(root, model, sources) -> None:
     """Model exchange, where the model can, and co-simulation."""
     common = {
         "modelIdentifier": model.identifier,
@@ -111,6 +112,12 @@ def _kinds(root, model) -> None:
         canRunAsynchronuously="false",
         **common,
     )
+
+    for kind in root if sources else ():
+        files = etree.SubElement(kind, "SourceFiles")
+
+        for name in sources:
+            etree.SubElement(files, "File", name=name)
 
 
 def output_order(model) -> str:

@@ -4,6 +4,8 @@ A variable is an array, and its value reference that of its first element among 
 stands time.
 """
 
+from collections.abc import Sequence
+
 from lxml import etree
 
 from ..compiler.variables import ArrayVariable, arrays
@@ -26,10 +28,10 @@ from .description import (
 CAUSALITIES = ("input", "output", "parameter", "state", "rate", "indicator")
 
 
-def description3(model) -> bytes:
+def description3(model, sources: Sequence[str] = ()) -> bytes:
     """modelDescription.xml of a model, UTF-8, checked against the FMI 3.0 schema.
 
-    Raises DescriptionError when it is not valid.
+    sources : files to be compiled, which FMI 3 lists elsewhere. Raises DescriptionError when it is not valid.
     """
     root = etree.Element(
         "fmiModelDescription", fmiVersion="3.0", instantiationToken=model.guid, **texts_of(model)

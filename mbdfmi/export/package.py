@@ -8,12 +8,13 @@ from pathlib import Path
 from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
 from ..native.platforms import PLATFORMS, host_platform
-from . import terminals
+from . import sources, terminals
 from .description import description, generation_time
 from .description3 import description3
 from .documentation import documentation
 from .link import library
 from .resource import NAME, resource
+from .specialise import own, scene_library
 
 DESCRIPTIONS = {2: description, 3: description3}
 """Who writes modelDescription.xml, by versions of FMI."""
@@ -32,6 +33,7 @@ def export_fmu(
     scene_file: str | os.PathLike | None = None,
     pictures: tuple[bytes, bytes] | None = None,
     specialise: bool = False,
+    with_sources: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Write a model as an FMU for co-simulation, and model exchange where it can, and return its path.
@@ -39,9 +41,10 @@ def export_fmu(
     platforms   keys of mbdfmi.native.platforms.PLATFORMS; default: the machine's own
     fmi         version of FMI: 2 (2.0) or 3 (3.0)
     scene_file  the file that the model was read from, to go with the FMU in resources/
-    pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general
-    icon specialise  libraries of this scene alone, smaller and faster (docs/specialise.md); compiled for it
-    now progress    is told in a few words when something takes long
+    pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general icon
+    specialise  libraries of this scene alone, smaller and faster (docs/specialise.md); compiled for it now
+    with_sources  the scene's own code in C99 too, in sources/ (docs/specialise.md)
+    progress    is told in a few words when something takes long
 
     The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same
     model gives the same bytes. Raises OSError, ValueError (unknown platform or version, unfit path),
@@ -58,9 +61,10 @@ def export_fmu(
 
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
+    found = _own(model, progress) if specialise or with_sources else None
     icon = pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes()
     files = {
-        "modelDescription.xml": DESCRIPTIONS[fmi](model),
+        "modelDescription.xml": DESCRIPTIONS[fmi](model, sources.compiled(fmi) if with_sources else ()),
         "model.png": icon,
         terminals.NAME: terminals.terminals(model, fmi),
         terminals.ICON: icon,
@@ -74,10 +78,12 @@ def export_fmu(
     if scene_file:
         files[f"resources/{Path(scene_file).name}"] = Path(scene_file).read_bytes()
 
-    library_of = _own_libraries(model, progress) if specialise else library
+    if with_sources and found:
+        files |= sources.sources(model, fmi, found.traced)
 
     for name in chosen:
-        data = library_of(name, progress).read_bytes()
+        made = scene_library(model, name, progress, found) if specialise else library(name, progress)
+        data = made.read_bytes()
 
         for folder in (PLATFORMS[name].folder3,) if fmi == 3 else PLATFORMS[name].folders:
             files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
@@ -86,13 +92,11 @@ def export_fmu(
     return path
 
 
-def _own_libraries(model, progress):
-    """A function like `library` that makes those of a model alone; what is made of it is told."""
-    from .specialise import own, scene_library
-
+def _own(model, progress):
+    """What is a scene's own; what is made of it is told."""
     found = own(model)
     progress(found.told)
-    return lambda name, progress: scene_library(model, name, progress, found)
+    return found
 
 
 def _licence() -> bytes:

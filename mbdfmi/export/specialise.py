@@ -32,10 +32,12 @@ SPAN = 1.0
 MOST_FAILING = 0.25
 """Part of these states in which a guard may fail."""
 
-FLAGS = ("-O3", "-fno-math-errno")
-"""Of the compiler: square roots without a look at `errno`."""
+_NO_UNWINDING = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 
-WRAPPER_FLAGS = ("-Os",)
+FLAGS = ("-O3", "-fno-math-errno", *_NO_UNWINDING)
+"""Of the compiler: square roots without a look at `errno`, no tables for exceptions, which C has none of."""
+
+WRAPPER_FLAGS = ("-Os", *_NO_UNWINDING)
 """Of the compiler, for the wrapper, whose time does not count."""
 
 
@@ -96,7 +98,9 @@ def scene_library(
     found = found or own(model)
     text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
-    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, *FLAGS]).encode()).hexdigest()[:20]
+    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, *FLAGS]).encode()).hexdigest()[
+        :20
+    ]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
 
     if not path.exists():

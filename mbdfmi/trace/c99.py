@@ -12,6 +12,7 @@ from .write import Language
 FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno")
 """What a compiler is told, so that the bits are those of the kernels."""
 
+
 def number(value) -> str:
     """A number in C, to the last bit."""
     if isinstance(value, bool):

@@ -14,7 +14,7 @@ from .program.functions import Function, Program
 from .program.shapes import ANY_INT, ANY_REAL, Array
 from .symbols import Symbol, node_of, symbol_of
 
-FUNCTIONS = {
+FUNCTIONS: dict[str, tuple] = {
     "left_knot": (plain_function(tables.left_knot), [Array(REAL), ANY_INT, ANY_INT, ANY_REAL]),
     "eccentric_anomaly": (plain_function(ellipses.eccentric_anomaly), [ANY_REAL, ANY_REAL]),
 }
@@ -26,7 +26,8 @@ _CALLED_BY = {"interval": "left_knot", "eccentric_anomaly": "eccentric_anomaly"}
 def called(program: Program, calls: Iterable[str]) -> list[Function]:
     """The loops that some operations are, as functions of a program in C under their names."""
     names = sorted({_CALLED_BY[call] for call in calls if call in _CALLED_BY})
-    return [program.add(*FUNCTIONS[name], name) for name in names]
+    found = [(name, *FUNCTIONS[name]) for name in names]
+    return [program.add(python, arguments, name) for name, python, arguments in found]
 
 
 def _interval(function):

@@ -1,7 +1,7 @@
 """x' = f of one scene in C99, traced: what stands for the kernel in the scene's own code.
 
-Where a guard does not hold, a branch would go otherwise than where the kernel was traced: the kernel as it is written, translated
-by `program`, is called.
+Where a guard does not hold, a branch would go otherwise than where the kernel was traced: the kernel as it is
+written, translated by `program`, is called.
 """
 
 from dataclasses import dataclass
@@ -24,8 +24,8 @@ HEAD = f"static int32_t {NAME}(const Run *run)"
 class Traced:
     """x' = f of one scene.
 
-    calls : functions in C that it calls. lines : its statements, in which `{kernel}` is what is called where a guard fails.
-    operations : how many it does. guards : what it rests on. graph : of all that.
+    calls : functions in C that it calls. lines : its statements, in which `{kernel}` is what is called where
+    a guard fails. operations : how many it does. guards : what it rests on. graph : of all that.
     """
 
     calls: set[str]

@@ -52,6 +52,12 @@ some minutes; later ones take a second.""",
         "(docs/specialise.md)",
     )
     command.add_argument(
+        "--sources",
+        action="store_true",
+        help="put the scene's own code in C99 into the FMU too, for processors that no library is made for "
+        "(docs/specialise.md)",
+    )
+    command.add_argument(
         "--platform",
         action="append",
         metavar="NAME",
@@ -90,6 +96,7 @@ def run(options):
                         with_scene=not options.no_scene,
                         fmi=fmi,
                         specialise=options.specialise,
+                        with_sources=options.sources,
                         progress=_about(file, tell),
                     )
 

@@ -1,9 +1,9 @@
 """The expressions of a kernel in C."""
 
 import ast
+import math
 import operator
-
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ _BINARY = {
     ast.Add: ("+", _ADDS, operator.add),
     ast.Sub: ("-", _ADDS, operator.sub),
     ast.Mult: ("*", _MULTIPLIES, operator.mul),
-    ast.Div: ("/", _MULTIPLIES, None),
+    ast.Div: ("/", _MULTIPLIES, operator.truediv),
     ast.FloorDiv: ("whole_quotient", ATOM, operator.floordiv),
     ast.Mod: ("whole_rest", ATOM, operator.mod),
     ast.BitAnd: ("&", _OR, operator.and_),
@@ -36,16 +36,29 @@ _COMPARISONS = {
 }
 _REAL_FUNCTIONS = {
     name: name
-    for name in ("sqrt", "sin", "cos", "atan2", "asin", "acos", "exp", "log", "tanh", "copysign", "asinh", "pow")
+    for name in (
+        "sqrt",
+        "sin",
+        "cos",
+        "atan2",
+        "asin",
+        "acos",
+        "exp",
+        "log",
+        "tanh",
+        "copysign",
+        "asinh",
+        "pow",
+    )
 } | {"ceil": "ceil"}
 
 
 class Text(NamedTuple):
-    """An expression: what it is, how it is written, how strongly that binds, whether it changes anything, and of what parts
-    it is made, if it is a tuple written out.
+    """An expression: what it is, how it is written, how strongly that binds, whether it changes anything, and
+    of what parts it is made, if it is a tuple written out.
     """
 
-    shape: object
+    shape: Any
     text: str = ""
     order: int = ATOM
     acts: bool = False
@@ -277,13 +290,17 @@ class Expressions:
             return b if a.only == 1 else a
 
         least = ATOM if sign in "&|" else order
-        return Text(found, f"{a.within(least)} {sign} {b.within(least if sign in '&|' else order + 1)}", order, acts)
+        return Text(
+            found, f"{a.within(least)} {sign} {b.within(least if sign in '&|' else order + 1)}", order, acts
+        )
 
     def _comparison(self, ops, operands):
         if any(operand.shape is None for operand in operands):
             return UNKNOWN
 
-        return self._together(True, (self._compared(op, a, b) for op, a, b in zip(ops, operands, operands[1:])))
+        return self._together(
+            True, (self._compared(op, a, b) for op, a, b in zip(ops, operands, operands[1:]))
+        )
 
     @staticmethod
     def _compared(op, a, b):
@@ -305,7 +322,8 @@ class Expressions:
 
     @staticmethod
     def _together(all_of, given):
-        """All of some conditions, or any: what is known is left out, and what comes after the one that decides."""
+        """All of some conditions, or any: what is known is left out, and what comes after the one that
+        decides."""
         parts = []
 
         for part in given:
@@ -389,6 +407,9 @@ class Expressions:
         if function is not None:
             return self.program.call(self, function, [self._value(arg) for arg in args])
 
+        if what is math.floor:
+            return Text(ANY_INT, f"(int32_t)floor({args[0].text})", _SIGNS, args[0].acts)
+
         return self._of_mathematics(getattr(what, "__name__", str(what)), args)
 
     def _of_mathematics(self, name, args):
@@ -427,7 +448,11 @@ class Expressions:
 
         for other in args[1:]:
             whole = REAL not in (found.shape.kind, other.shape.kind)
-            shape = shapes.computed(INT, min if name == "min" else max, found.shape, other.shape) if whole else ANY_REAL
+            shape = (
+                shapes.computed(INT, min if name == "min" else max, found.shape, other.shape)
+                if whole
+                else ANY_REAL
+            )
             called = f"{'whole_' if whole else ''}{name}imum"
             found = Text(shape, f"{called}({found.text}, {other.text})", ATOM, found.acts or other.acts)
 
@@ -435,4 +460,3 @@ class Expressions:
 
 
 _BUILTINS = {"abs": abs, "min": min, "max": max, "int": int, "float": float, "range": range}
-

@@ -1,4 +1,5 @@
-"""All kernels that some call, in C: they are looked at again and again until nothing more becomes known of any."""
+"""All kernels that some call, in C: they are looked at again and again until nothing more becomes known of
+any."""
 
 from collections.abc import Mapping
 from types import FunctionType
@@ -10,6 +11,7 @@ from ..graph import INT, REAL, Untraceable
 from ..plain import ROOM
 from . import shapes
 from .expressions import UNKNOWN, Text, plain
+from .helpers import HELPERS
 from .layout_c import lines, without_unread, words
 from .reading import reading
 from .shapes import ANY_INT, Array, Number, Tuple, View, join, loose
@@ -20,9 +22,47 @@ RUN = "run"
 """The pointer to a run's buffers, as functions take it for `m` and `d`."""
 
 _RESERVED = {
-    *("auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern"),
-    *("float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed"),
-    *("sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "bool"),
+    *(
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+    ),
+    *(
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+    ),
+    *(
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "bool",
+    ),
     *("y0", "y1", "yn", "j0", "j1", "jn", "gamma", "signgam", "main", "true", "false", RUN),
 }
 
@@ -31,32 +71,11 @@ _IN_C = {name: f"{'m' if array.buffer in ('ints', 'reals') else 'd'}_{name}" for
 
 _OF_ARRAYS = frozenset(_IN_C.values())
 
-HELPERS = {
-    "minimum": "static inline double minimum(double a, double b)\n{\n    return b < a ? b : a;\n}",
-    "maximum": "static inline double maximum(double a, double b)\n{\n    return b > a ? b : a;\n}",
-    "whole_minimum": "static inline int32_t whole_minimum(int32_t a, int32_t b)\n{\n    return b < a ? b : a;\n}",
-    "whole_maximum": "static inline int32_t whole_maximum(int32_t a, int32_t b)\n{\n    return b > a ? b : a;\n}",
-    "whole_size": "static inline int32_t whole_size(int32_t a)\n{\n    return a < 0 ? -a : a;\n}",
-    "whole_quotient": (
-        "/* a / b, downwards */\nstatic inline int32_t whole_quotient(int32_t a, int32_t b)\n{\n"
-        "    return a / b - (a % b != 0 && (a < 0) != (b < 0));\n}"
-    ),
-    "whole_rest": (
-        "/* what is left of that */\nstatic inline int32_t whole_rest(int32_t a, int32_t b)\n{\n"
-        "    return a % b + (a % b != 0 && (a < 0) != (b < 0) ? b : 0);\n}"
-    ),
-    "whole_power": (
-        "static inline double whole_power(double a, int32_t n)\n{\n    double result = 1.0;\n\n"
-        "    for (int32_t left = n < 0 ? -n : n; left > 0; left /= 2) {\n        if (left % 2) result *= a;\n"
-        "        a *= a;\n    }\n    return n < 0 ? 1.0 / result : result;\n}"
-    ),
-}
-"""What C has no word for, as the compiled kernels do it."""
-
 
 class Function:
-    """One kernel, for arguments of one kind. name : in C. variables : what is known of them, arguments included.
-    returned : what it returns. acts : whether it changes anything. stores : arguments that are arrays and written to.
+    """One kernel, for arguments of one kind. name : in C. variables : what is known of them, arguments
+    included. returned : what it returns. acts : whether it changes anything. stores : arguments that are
+    arrays and written to.
     """
 
     def __init__(self, python: FunctionType, name: str, arguments: list):
@@ -88,7 +107,8 @@ class Function:
     def learn(self, name: str, shape):
         """A variable may be that too. Returns all that it may be.
 
-        One that is a number here and a tuple there is two in C; whoever reads it means the one given a value last.
+        One that is a number here and a tuple there is two in C; whoever reads it means the one given a value
+        last.
         """
         shape = _kept(shape)
         versions = (name, *(f"{name}_{k}" for k in range(2, 10)))
@@ -152,7 +172,9 @@ class Function:
 
     def text(self, types: Types) -> str:
         """The function in C."""
-        known = {self.word(name): shape for name, shape in self.variables.items() if name not in self.parameters}
+        known = {
+            self.word(name): shape for name, shape in self.variables.items() if name not in self.parameters
+        }
         shaped = {name: shape for name, shape in (known | self._others).items() if shape is not None}
         counters = set(map(self.word, self.reading.counters))
         kinds = {name: types.declared(shape, name) for name, shape in shaped.items() if name not in counters}
@@ -184,7 +206,9 @@ class Function:
 
 def _go_together(a, b):
     """Whether one variable of C can be both."""
-    return a is None or (isinstance(a, Number) and isinstance(b, Number)) or loose(a) == loose(b) or _alike(a, b)
+    return (
+        a is None or (isinstance(a, Number) and isinstance(b, Number)) or loose(a) == loose(b) or _alike(a, b)
+    )
 
 
 def _alike(a, b):
@@ -205,8 +229,8 @@ def _kept(shape):
 class Program:
     """Kernels in C for the structure of one model.
 
-    ints : its structure, or None where kernels take no model. replaced : kernel -> name of a function of the same arguments
-    that stands for it, and is written elsewhere.
+    ints : its structure, or None where kernels take no model. replaced : kernel -> name of a function of the
+    same arguments that stands for it, and is written elsewhere.
     """
 
     def __init__(self, ints: np.ndarray | None = None, replaced: Mapping[FunctionType, str] | None = None):
@@ -243,8 +267,10 @@ class Program:
     def _name(self, python):
         module = python.__module__.rpartition(".")[2]
         name = f"{module}_{python.__name__}"
-        return name if name not in self._names else next(
-            f"{name}_{k}" for k in range(2, 10**6) if f"{name}_{k}" not in self._names
+        return (
+            name
+            if name not in self._names
+            else next(f"{name}_{k}" for k in range(2, 10**6) if f"{name}_{k}" not in self._names)
         )
 
     # what kernels find in m and d
@@ -322,8 +348,8 @@ class Program:
     # the text
 
     def text(self, wanted: list[Function], beside: str = "") -> tuple[str, str]:
-        """(declarations, functions) in C that some need, those that are called first. Raises Untraceable where one would call
-        itself.
+        """(declarations, functions) in C that some need, those that are called first. Raises Untraceable
+        where one would call itself.
 
         beside : C that stands behind them and uses declarations too.
         """
@@ -339,19 +365,21 @@ class Program:
                 raise Untraceable(f"{function.name} calls itself")
 
             if function.name not in texts:
-                texts[function.name] = function.text(self.types)
-                called = [self._names[word] for word in sorted(words(texts[function.name])) if word in self._names]
-                self._visit([each for each in called if each is not function], [*above, function], order, texts)
+                texts[function.name] = text = function.text(self.types)
+                inside = words(text.partition("{")[2])
+                called = [self._names[word] for word in sorted(inside) if word in self._names]
+                self._visit(called, [*above, function], order, texts)
                 order.append(function)
 
     def _declared(self, body):
         """What functions need before them: constants, types, places of arrays."""
         used = words(body)
         parts = [text for name, text in HELPERS.items() if name in used]
-        structures = [text for _, text in self.types.structures.values()]
         tables = [text for name, text, _ in self.types.tables.values() if name in used]
         arrays = [self._array(name) for name, word in _IN_C.items() if word in used]
-        return "\n\n".join([*parts, *_needed(structures, used), *tables, "\n".join(arrays)]).strip()
+        return "\n\n".join(
+            [*parts, *_needed(self.types.structures.values(), used), *tables, "\n".join(arrays)]
+        ).strip()
 
     def _array(self, name):
         first, numbers = self._arrays[name]
@@ -368,12 +396,12 @@ def _needed(structures, used):
     """Definitions of structures that are used, or stand in others that are."""
     found: list[str] = []
 
-    for text in reversed(structures):
-        name = text[text.index("} ") + 2 :].partition(";")[0]
+    for name, (definition, *at) in reversed(structures):
+        taken = [text for text in at if f"{name}_at" in used]
 
-        if name in used or f"{name}_at" in used:
-            used = used | words(text)
-            found.insert(0, text)
+        if taken or name in used:
+            used = used.union(*map(words, [definition, *taken]))
+            found = [definition, *taken, *found]
 
     return found
 
@@ -388,5 +416,3 @@ def _arrays_of(ints, counts):
         found[name] = first, ints[first : first + length].tolist() if array.buffer == "ints" else []
 
     return found
-
-

@@ -1,4 +1,5 @@
-"""Statements laid out as C: variables are declared where they are first given a value, and what is never read is left out."""
+"""Statements laid out as C: variables are declared where they are first given a value, and what is never read
+is left out."""
 
 import re
 from dataclasses import dataclass, field
@@ -8,8 +9,8 @@ _WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
 
 @dataclass
 class Line:
-    """A statement. name : of the variable that it gives a value, if it does. value : that value. sign : by which it is given.
-    acts : whether the value does something besides.
+    """A statement. name : of the variable that it gives a value, if it does. value : that value. sign : by
+    which it is given. acts : whether the value does something besides.
     """
 
     text: str
@@ -79,8 +80,8 @@ def _dropped(items, unread):
 
 
 def lines(items: list, kinds: dict[str, str], depth: int = 1) -> list[str]:
-    """The text of statements, variables (kinds: name -> declaration) declared in the innermost block that has all that is
-    said of them.
+    """The text of statements, variables (kinds: name -> declaration) declared in the innermost block that has
+    all that is said of them.
     """
     declared, heads = {}, []
 
@@ -92,7 +93,12 @@ def lines(items: list, kinds: dict[str, str], depth: int = 1) -> list[str]:
 
         first = items[places[0]]
 
-        if isinstance(first, Line) and first.name == name and first.sign == "=" and name not in words(first.value):
+        if (
+            isinstance(first, Line)
+            and first.name == name
+            and first.sign == "="
+            and name not in words(first.value)
+        ):
             declared[places[0]] = declaration
         elif len(places) == 1 and isinstance(first, Block) and _can_go_into(first, name):
             continue
@@ -103,7 +109,9 @@ def lines(items: list, kinds: dict[str, str], depth: int = 1) -> list[str]:
     inner = {
         name: declaration
         for name, declaration in kinds.items()
-        if name in here and declaration not in declared.values() and not any(h.startswith(f"{declaration} =") for h in heads)
+        if name in here
+        and declaration not in declared.values()
+        and not any(h.startswith(f"{declaration} =") for h in heads)
     }
     indent = "    " * depth
     found = [f"{indent}{head}" for head in heads]
@@ -127,8 +135,8 @@ def _is_structure(declaration):
 
 
 def _can_go_into(block, name):
-    """Whether a variable that only one block knows can be declared in it: no value of it lives from one turn of a loop to the
-    next.
+    """Whether a variable that only one block knows can be declared in it: no value of it lives from one turn
+    of a loop to the next.
     """
     if name in words(block.head):
         return False

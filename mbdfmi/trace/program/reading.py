@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 
 class Reading(NamedTuple):
-    """A kernel as it is written. parameters : their names. names : these and those of variables. counters : names that loops
-    alone give values to, and that are read in these loops alone.
+    """A kernel as it is written. parameters : their names. names : these and those of variables. counters :
+    names that loops alone give values to, and that are read in these loops alone.
     """
 
     body: list[ast.stmt]
@@ -43,8 +43,8 @@ def reading(python: FunctionType) -> Reading:
             look(node.iter)
             loops[target] = loops.get(target, 0) + 1
 
-            for each in node.body:
-                look(each)
+            for statement in node.body:
+                look(statement)
 
             loops[target] -= 1
             return

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..graph import BOOL, INT, REAL, Untraceable
 
@@ -32,14 +32,14 @@ class Array(NamedTuple):
 class Tuple(NamedTuple):
     """A tuple, of a class that names its members or none."""
 
-    named: type | None
+    named: Any
     members: tuple
 
 
 class Known(NamedTuple):
     """Something of Python that is no number: a module, a function, a class, a table."""
 
-    what: object
+    what: Any
 
 
 class View(NamedTuple):
@@ -87,7 +87,11 @@ def join(a, b):
 
     a, b = as_value(a), as_value(b)
 
-    if isinstance(a, Tuple) and isinstance(b, Tuple) and (a.named, len(a.members)) == (b.named, len(b.members)):
+    if (
+        isinstance(a, Tuple)
+        and isinstance(b, Tuple)
+        and (a.named, len(a.members)) == (b.named, len(b.members))
+    ):
         return Tuple(a.named, tuple(map(join, a.members, b.members)))
 
     raise Untraceable(f"what is {a} in one way is {b} in another")
@@ -127,6 +131,8 @@ def computed(kind: str, operation: Callable, *operands: Number) -> Number:
         return Number(kind)
 
     try:
-        return some(kind, {operation(*each) for each in itertools.product(*(o.values or () for o in operands))})
+        return some(
+            kind, {operation(*each) for each in itertools.product(*(o.values or () for o in operands))}
+        )
     except ZeroDivisionError:
         return Number(kind)

@@ -37,10 +37,14 @@ class Statements(Expressions):
                 return self._add_to(target, op, value), True
             case ast.If(test=test, body=body, orelse=other):
                 return self._if(test, body, other)
-            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=given), body=body):
+            case ast.For(
+                target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=given), body=body
+            ):
                 return self._for(name, given, body)
             case ast.For(target=target, iter=ast.Tuple(elts=each), body=body) if not _jumps(body):
-                return [item for one in each for item in [*self._assign(target, one), *self.block(body)[0]]], True
+                return [
+                    item for one in each for item in [*self._assign(target, one), *self.block(body)[0]]
+                ], True
             case ast.While(test=test, body=body):
                 return self._while(test, body)
             case ast.Break():
@@ -100,7 +104,9 @@ class Statements(Expressions):
             if names & used and all(each.shape is not None for each in given):
                 return self._through_others(targets, given)
 
-            return [item for target, each in zip(targets, given, strict=True) for item in self._give(target, each)]
+            return [
+                item for target, each in zip(targets, given, strict=True) for item in self._give(target, each)
+            ]
 
         found = self._value(self.expression(node))
 
@@ -125,7 +131,9 @@ class Statements(Expressions):
             items.append(Line(f"{name} = {each.text};", name, each.text, "=", each.acts))
             kept.append(Text(each.shape, name))
 
-        return items + [item for target, each in zip(targets, kept, strict=True) for item in self._give(target, each)]
+        return items + [
+            item for target, each in zip(targets, kept, strict=True) for item in self._give(target, each)
+        ]
 
     def _add_to(self, target, op, node):
         before = self.expression(ast.copy_location(_as_read(target), target))
@@ -200,8 +208,10 @@ class Statements(Expressions):
         step = bounds[2] if len(bounds) == 3 else plain(1)
         back = step.only is not None and step.only < 0
 
-        if first.only is not None and last.only is not None and not (
-            first.only > last.only if back else first.only < last.only
+        if (
+            first.only is not None
+            and last.only is not None
+            and not (first.only > last.only if back else first.only < last.only)
         ):
             return [], True
 
@@ -241,5 +251,3 @@ def _as_read(target):
         return ast.Name(target.id, ast.Load())
 
     return ast.Subscript(target.value, target.slice, ast.Load())
-
-

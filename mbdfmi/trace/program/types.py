@@ -1,6 +1,5 @@
 """Tuples and tables of numbers as C declares them."""
 
-
 import numpy as np
 
 from ..c99 import number as number_text
@@ -20,10 +19,14 @@ def constant(value) -> str:
 
 
 class Types:
-    """Structures and tables that a program declares, in the order in which they were met."""
+    """Structures and tables that a program declares, in the order in which they were met.
+
+    structures : members -> (name, its definition and that of the function that takes a member by its number).
+    tables : identity -> (name, definition, (lengths, kind, the table)).
+    """
 
     def __init__(self):
-        self.structures: dict[tuple, tuple[str, str]] = {}
+        self.structures: dict[tuple, tuple[str, list[str]]] = {}
         self.tables: dict[int, tuple[str, str, tuple]] = {}
         self._names: set[str] = set()
 
@@ -62,15 +65,15 @@ class Types:
         if key not in self.structures:
             name = self._free(shape.named.__name__ if shape.named else _described(members))
             fields = "".join(f"    {kind} {field};\n" for kind, field in zip(members, self.fields(shape)))
-            text = f"typedef struct {{\n{fields}}} {name};"
+            texts = [f"typedef struct {{\n{fields}}} {name};"]
 
             if not shape.named and len(set(members)) == 1:
                 cases = " : ".join(f"k == {k} ? tuple.e{k}" for k in range(len(members) - 1))
                 last = f"tuple.e{len(members) - 1}"
-                text += f"\n\nstatic inline {members[0]} {name}_at({name} tuple, int32_t k)\n{{\n"
-                text += f"    return {f'{cases} : {last}' if cases else last};\n}}"
+                head = f"static inline {members[0]} {name}_at({name} tuple, int32_t k)"
+                texts.append(f"{head}\n{{\n    return {f'{cases} : {last}' if cases else last};\n}}")
 
-            self.structures[key] = name, text
+            self.structures[key] = name, texts
 
         return self.structures[key]
 
@@ -93,8 +96,10 @@ class Types:
         return chosen, lengths, kind
 
     def _free(self, name):
-        found = name if name not in self._names else next(
-            f"{name}_{k}" for k in range(2, 10**6) if f"{name}_{k}" not in self._names
+        found = (
+            name
+            if name not in self._names
+            else next(f"{name}_{k}" for k in range(2, 10**6) if f"{name}_{k}" not in self._names)
         )
         self._names.add(found)
         return found
@@ -107,5 +112,3 @@ def _described(members):
         return f"{kind}x{len(members)}" if kind[-1].isdigit() else f"{kind}{len(members)}"
 
     return "tuple_" + "_".join({"double": "real", "int32_t": "whole"}.get(kind, kind) for kind in members)
-
-

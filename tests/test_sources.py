@@ -1,0 +1,135 @@
+"""Sources of FMUs: they compile without a warning, hold no allocation and no recursion, and give what the binary gives."""
+
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from functools import cache
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.build import build_platform_binary
+
+import mbdfmi
+from mbdfmi.export import core, sources, specialise
+from mbdfmi.kernels.math import algebra
+from mbdfmi.trace.graph import Untraceable
+from mbdfmi.trace.plain import plain_function
+from mbdfmi.trace.program import shapes
+from mbdfmi.trace.program.functions import Program
+from mbdfmi.trace.program.layout_c import Line
+
+MODELS = Path(__file__).parents[1] / "models"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+COMPILERS = {
+    "gcc": ["gcc", "-O2"],  # some of its warnings come of optimising
+    "clang": ["clang"],
+    "zig": [sys.executable, "-m", "ziglang", "cc"],
+}
+
+
+@cache
+def scene(name, integrator):
+    """A scene of models/ by another integrator."""
+    found = mbdfmi.load(MODELS / f"{name}.toml")
+    found.solver = {"integrator": integrator} | ({"step": 1e-3} if integrator == "rk4" else {})
+    return found
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    """An FMU with sources, for a version of FMI."""
+    folder = tmp_path_factory.mktemp("sources")
+
+    @cache
+    def made(fmi):
+        return scene("four_bar", "rk4").export(folder / f"{fmi}.fmu", fmi=fmi, with_sources=True)
+
+    return made
+
+
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize(
+    ("compiler", "fmi"),
+    [
+        ("gcc", 2),
+        pytest.param("gcc", 3, marks=LONG),
+        ("clang", 3),
+        pytest.param("zig", 2, marks=LONG),
+        ("zig", 3),
+    ],
+)
+def test_sources_compile_without_a_warning(compiler, fmi, fmus, tmp_path):
+    if compiler != "zig" and not shutil.which(compiler):
+        pytest.skip(f"{compiler} is not installed")
+
+    with zipfile.ZipFile(fmus(fmi)) as archive:
+        archive.extractall(tmp_path)
+
+    files = [str(tmp_path / "sources" / name) for name in sources.compiled(fmi)]
+    library = tmp_path / "all.so"
+    includes = [f"-I{tmp_path / 'sources'}", "-isystem", str(HEADERS)]
+    shared = ["-fPIC", "-shared", *files, "-lm", "-o", str(library)]
+    subprocess.run([*COMPILERS[compiler], *STRICT, *includes, *shared], check=True, cwd=tmp_path)
+    assert library.exists()
+
+
+@pytest.mark.parametrize("fmi", [pytest.param(2, marks=LONG), 3])
+def test_fmpy_compiles_and_runs_it_and_it_gives_what_the_binary_gives(fmi, fmus, tmp_path):
+    if not shutil.which("cmake"):
+        pytest.skip("cmake is not installed")
+
+    binary = fmpy.simulate_fmu(str(fmus(fmi)), stop_time=1.0, output_interval=0.02, fmi_type="CoSimulation")
+    folder = Path(fmpy.extract(str(fmus(fmi)), str(tmp_path / "unpacked")))
+    shutil.rmtree(folder / "binaries")
+    build_platform_binary(folder)
+    assert list((folder / "binaries").rglob("*.so")) or sys.platform != "linux"
+    made = fmpy.simulate_fmu(str(folder), stop_time=1.0, output_interval=0.02, fmi_type="CoSimulation")
+
+    for name in binary.dtype.names:
+        np.testing.assert_allclose(made[name], binary[name], rtol=1e-12, atol=1e-12)
+
+
+@LONG
+def test_a_cmake_file_of_its_own_builds_it(fmus, tmp_path):
+    if not shutil.which("cmake"):
+        pytest.skip("cmake is not installed")
+
+    with zipfile.ZipFile(fmus(2)) as archive:
+        archive.extractall(tmp_path)
+
+    build = tmp_path / "build"
+    configure = ["cmake", "-S", str(tmp_path / "sources"), "-B", str(build), f"-DFMI_HEADERS={HEADERS}"]
+    subprocess.run(configure, check=True, capture_output=True)
+    subprocess.run(["cmake", "--build", str(build)], check=True, capture_output=True)
+    assert list(build.glob("four_bar.*"))
+
+
+def test_nothing_is_allocated_and_no_stack_is_without_bound(tmp_path):
+    if not shutil.which("gcc"):
+        pytest.skip("gcc is not installed")
+
+    model = scene("four_bar", "rk4").compile()
+    text = core.core(model, specialise.own(model).traced)
+    assert not re.search(r"\b(malloc|calloc|realloc|free|alloca|printf|fopen)\b", text)
+    (tmp_path / "scene.c").write_text(text)
+    command = ["gcc", "-O2", *STRICT, "-fstack-usage", "-c", "scene.c", "-o", "scene.o"]
+    subprocess.run(command, check=True, cwd=tmp_path)
+    frames = [line.split("\t") for line in (tmp_path / "scene.su").read_text().splitlines()]
+    assert frames and {kind for _, _, kind in frames} <= {"static", "dynamic,bounded"}
+    assert sum(int(size) for _, size, _ in frames) < 64 * 1024  # were each below the other
+
+
+def test_a_function_that_calls_itself_is_refused():
+    program = Program()
+    function = program.add(plain_function(algebra.dot), [shapes.Tuple(None, (shapes.ANY_REAL,) * 3)] * 2)
+    function.items.append(Line(f"{function.name}();"))
+
+    with pytest.raises(Untraceable, match="calls itself"):
+        program.text([function])
