@@ -45,6 +45,12 @@ def test_beside_the_monolithic_solution(examples, name):
     assert run.bonds and all(bond.part < 1e-3 for bond in run.bonds)
 
 
+def test_two_machines_on_an_arm_at_fixed_steps(examples):
+    """Steps of 8 ms, four times the time constant of the shoulder's motor, which is switched on in the first one."""
+    _, curves = examples.arm(0.008, order=1, error=None)
+    assert all(np.abs(ours - theirs).max() < 5e-3 for _, ours, theirs in list(curves.values())[:2])
+
+
 def test_parabolas(examples):
     """The truck, at the figure of the literature's best master (0.9 %), and the split pendulum."""
     _, curves = examples.truck(order=2)

@@ -115,6 +115,59 @@ def test_a_strut_buckles_at_its_load_into_its_branch():
     assert [one.stable for one in both] == [True, True, False]
 
 
+def arch(load, stiffness=1000.0, half=0.8, rise=0.25):
+    """Two struts from a crown, on a vertical guide, to two abutments: von Mises' truss, under a load on the crown."""
+    strut = {"spring_damper": {"stiffness": stiffness, "rest_length": float(np.hypot(half, rise))}}
+    crown = {"mass": 1.0, "inertia": [0, 0, 0]}
+    ends = {"left": {"position": [-half, 0, 0]}, "right": {"position": [half, 0, 0]}}
+    guide = {"prismatic": {"axis": "z"}, "between": ["ground", "crown"], "start": {"position": rise}}
+    return Scene(
+        name="arch",
+        gravity=[0, 0, 0],
+        ground={"marker": ends},
+        body={"crown": crown},
+        joint={"guide": guide},
+        force={
+            "a": strut | {"between": ["ground.left", "crown"]},
+            "b": strut | {"between": ["ground.right", "crown"]},
+            "load": {"load": {"force": [0, 0, -load]}, "on": "crown"},
+        },
+    )
+
+
+def test_an_arch_snaps_through_at_its_limit_load():
+    """P(z) = 2 k z (l0 / sqrt(b^2 + z^2) - 1): all its roots are the equilibria, and beyond its maximum the crown is below."""
+    k, half, rise = 1000.0, 0.8, 0.25
+    length = np.hypot(half, rise)
+    load = lambda z: 2 * k * z * (length / np.hypot(half, z) - 1)
+    at = np.sqrt((length * half**2) ** (2 / 3) - half**2)
+    limit = load(at)
+
+    before = arch(0.999 * limit).equilibrium()
+    above = optimize.brentq(lambda z: load(z) - 0.999 * limit, at, rise, xtol=1e-15)
+    assert before.stable and abs(before.coordinates["guide.position"] - above) < 1e-10
+    after = arch(1.001 * limit).equilibrium()
+    below = optimize.brentq(lambda z: load(z) - 1.001 * limit, -2.0, -rise, xtol=1e-15)
+    assert after.stable and abs(after.coordinates["guide.position"] - below) < 1e-10
+
+    found = arch(0.5 * limit).equilibria(n=20)
+    half_load = lambda z: load(z) - 0.5 * limit
+    roots = [optimize.brentq(half_load, *ends) for ends in ((at, rise), (-2.0, -rise), (-at, at))]
+    places = [one.coordinates["guide.position"] for one in found]
+    assert [one.stable for one in found] == [True, True, False]
+    assert abs(np.sort(places) - np.sort(roots)).max() < 1e-9
+
+    # the limit itself, by the loads that are still borne above
+    low, high = 0.9, 1.1
+
+    while high - low > 1e-7:
+        middle = 0.5 * (low + high)
+        borne = arch(middle * limit).equilibrium().coordinates["guide.position"] > 0
+        low, high = (middle, high) if borne else (low, middle)
+
+    assert abs(low - 1) < 1e-6
+
+
 def test_what_falls_or_turns_for_ever_has_no_equilibrium():
     ball = {"ball": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}}
     free = Scene(

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.optimize import brentq, fsolve
-from test_hydrostatics import clipped, section
+from test_hydrostatics import clipped, saved, section
 
 import mbdfmi
 from mbdfmi import Scene
@@ -54,6 +55,28 @@ def test_a_box_has_its_righting_arm_at_every_heel():
     (_, stable), (heel, lost) = found.rests()
     assert stable and not lost and abs(heel - 62.2) < 0.2
     assert abs(found.area(0, 10) - np.trapezoid(found.arm[:3], np.radians(found.heel[:3]))) < 0.01
+
+
+def test_a_boat_of_triangles_rights_itself_as_a_box_does(tmp_path):
+    """A box, each side of which is many triangles: the same arms, trims and draughts; a boat with sharp ends between boxes."""
+    size, mass, height = [12.0, 5.0, 4.0], RHO * 12.0 * 5.0 * 1.6, 1.9
+    box = trimesh.creation.box(size).subdivide().subdivide()
+    heel = np.arange(0, 91, 10)
+    right = barge(size, mass, height).righting(heel=heel)
+    water = {"hydrostatics": saved(box, tmp_path) | {"position": [0, 0, 2.0]}, "on": "hull"}
+    found = barge(size, mass, height, force={"water": water}).righting(heel=heel)
+    assert np.abs(found.arm - right.arm).max() < 1e-11
+    assert np.abs(found.draught - right.draught).max() < 1e-11
+    assert np.abs(found.trim - right.trim).max() < 1e-8
+
+    # prisms with the same section amidships: pointed ends take away from the waterplane, and so from GM
+    plan = [(-6.0, 0.0), (-4.0, -2.5), (4.0, -2.5), (6.0, 0.0), (4.0, 2.5), (-4.0, 2.5)]
+    boat = trimesh.convex.convex_hull([(x, y, z) for x, y in plan for z in (-2.0, 2.0)])
+    waterplane = 12.0 * 5.0 - 4 * 0.5 * 2.0 * 2.5
+    inertia = 8.0 * 5.0**3 / 12 + 4 * (2.0 * 2.5**3 / 12)
+    water = {"hydrostatics": saved(boat, tmp_path, "boat.off") | {"position": [0, 0, 2.0]}, "on": "hull"}
+    found = barge(size, RHO * waterplane * 1.6, height, force={"water": water}).righting(heel=[0.0, 2.0])
+    assert abs(found.metacentric - (0.8 + inertia / (waterplane * 1.6) - height)) < 1e-6
 
 
 def test_trim_goes_free_with_the_heel():

@@ -123,9 +123,7 @@ class Manifold:
         self.place = mechanism.here()
         self.d.x[:] = self.x
         self.frames = [self._frame(i, *at) for i, *at in self.turning]
-        self.named = names(
-            mechanism, {i for (i, *_), frame in zip(self.turning, self.frames) if not frame.of_body}
-        )
+        self._named = None
         unit = mechanism.units
         moves = self.place.motions if m.n_row else np.eye(len(self.free))
         holonomic = [r for r in range(m.n_row) if not rows.is_of_velocity(m, r)]
@@ -152,6 +150,15 @@ class Manifold:
         self.places = self.speeds if self.holonomic else _independent(wanders, weights)
         self.V = _by_own(moves, self.speeds, unit)
         self.P = self.V if self.holonomic else _by_own(wanders, self.places, unit)
+
+    @property
+    def named(self):
+        """What each free coordinate is called (`Named`)."""
+        if self._named is None:
+            turned = zip(self.turning, self.frames)
+            self._named = names(self.mechanism, {i for (i, *_), frame in turned if not frame.of_body})
+
+        return self._named
 
     @property
     def rests(self):
@@ -490,7 +497,9 @@ def _turn(vectors):
     """Euler parameters (n, 4) of rotation vectors (n, 3)."""
     half = 0.5 * np.sqrt((vectors * vectors).sum(axis=1))
     found = np.empty((len(vectors), 4))
-    found[:, :3] = 0.5 * np.sinc(half / np.pi)[:, None] * vectors
+    # sin(a) / a, which is 1 to the last digit below
+    small = half < 1e-8
+    found[:, :3] = np.where(small, 0.5, 0.5 * np.sin(half) / np.where(small, 1.0, half))[:, None] * vectors
     found[:, 3] = np.cos(half)
     return found
 

@@ -36,7 +36,7 @@ GROUND = "ground"
 NEARBY = (0.1, 0.23)
 
 
-@dataclass
+@dataclass(frozen=True)
 class Loads:
     """What unit multipliers of the rows do to the nodes, SI.
 
@@ -54,6 +54,19 @@ class Loads:
     effort_row: np.ndarray
     effort_node: np.ndarray
     effort: np.ndarray
+
+
+NO_LOADS = Loads(
+    moment=np.empty((0, 3)),
+    force=np.empty((0, 3)),
+    row=np.empty(0, int),
+    node=np.empty(0, int),
+    wrench=np.empty((0, 6)),
+    effort_row=np.empty(0, int),
+    effort_node=np.empty(0, int),
+    effort=np.empty(0),
+)
+"""Where there are no rows."""
 
 
 @dataclass
@@ -333,6 +346,10 @@ class Mechanism:
     def _loads(self) -> Loads:
         """What the rows do as they were last written."""
         m, d = self.m, self.d
+
+        if not m.n_row:
+            return NO_LOADS
+
         every = np.arange(m.n_row)
         first, second = m.constraint_from[m.row_constraint], m.constraint_to[m.row_constraint]
         body = m.marker_body[second]

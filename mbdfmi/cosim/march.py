@@ -23,6 +23,9 @@ SHORTEST = 1e-9
 
 # part of the miss of a prediction that a polynomial through the true end misses within a step, by its order
 WITHIN = {0: 0.5, 1: 1 / 8, 2: 1 / 16}
+CAREFUL = (1 / 8, 1 / 4, 1 / 2, 1.0)
+"""Ends of the parts that the first step is done in where steps are repeated, as parts of it."""
+
 EXACT = 1e-6
 """Relative difference up to which two runs of one step count as equal."""
 
@@ -55,6 +58,9 @@ class March:
         self._starter = Iterated(rig, rig.ports, min(master.tolerance, 1e-6), 20) if explicit else None
         repeated = [*self.stages, *([self._starter] if self._starter else [])]
         self._more = [(p, p.get_all) for s in repeated if isinstance(s, Repeated) for p in s.ports if p.keeps]
+        self._keeps = True
+        variable = all(member.can.variable_steps for member in rig.net.members.values())
+        self._starts_careful = master.start_in_parts and variable and self._needs_all()
         self._others = [(port, port.others) for port in rig.ports if port.others]
 
     def _needs_all(self):
@@ -88,9 +94,24 @@ class March:
         )
 
         for k in range(n):
-            step(grid[k], grid[k + 1], steps[k])
+            if k == 0 and self._starts_careful:
+                self._begin(grid[0], grid[1], steps[0])
+            else:
+                step(grid[k], grid[k + 1], steps[k])
             if progress:
                 progress(grid[k + 1])
+
+    def _begin(self, start, end, H):
+        """The first step, in parts, of which nothing is kept but the last: what is switched on at the start is quick
+        then, and nothing is known of the past.
+        """
+        time = start
+
+        for part in CAREFUL:
+            last = start + part * H if part < 1.0 else end
+            self._keeps = part == 1.0
+            self._to(time, last, last - time)
+            time = last
 
     def _plainly(self, time, end, H):
         """A step of FMUs that hold what they have: as `_to`, without what these do not need."""
@@ -255,6 +276,8 @@ class March:
             self._past = [(H, rig.old.copy()), *self._past[:1]]
             rig.prev[:] = rig.now
         rig.renew()
+        if not self._keeps:
+            return
         self.history.add(time)
         if self.after:
             self.after()

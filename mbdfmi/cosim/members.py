@@ -79,17 +79,27 @@ def read_member(name: str, table: Fmu, stack: ExitStack) -> Member:
 
 def _of_scene(name, scene, stack):
     """(model, path of its FMU) of a scene or a scene's file."""
-    from ..compiler.model import compile_scene
     from ..export import export_fmu
-    from ..scene import read_scene
 
     try:
-        model = scene.compile() if hasattr(scene, "compile") else compile_scene(read_scene(scene))
+        model = scene.compile() if hasattr(scene, "compile") else _started(scene)
     except SceneError as error:
         raise CouplingError([f"{name}: {text}" for text in error.errors]) from error
+    except ValueError as error:
+        raise CouplingError(f"{name}: {scene}: {error}") from error
 
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="mbdfmi-", ignore_cleanup_errors=True))
     return model, export_fmu(model, Path(folder) / f"{model.identifier}.fmu")
+
+
+def _started(path):
+    """The model of a scene's file, with the start that it asks for."""
+    from ..analysis.starting import starting
+    from ..compiler.model import compile_scene, with_values
+    from ..scene import read_scene
+
+    start = starting(read_scene(path))
+    return with_values(compile_scene(start.scene), start.found, start.notices)
 
 
 def read_members(tables: dict[str, Fmu], stack: ExitStack) -> dict[str, Member]:

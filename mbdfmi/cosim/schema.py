@@ -157,6 +157,8 @@ class Master(Part):
     max_iterations : of a step.
     error : relative; with it macro steps are chosen so that what inputs miss of the truth stays below it.
     min_step, max_step : s, of macro steps so chosen.
+    start_in_parts : whether the first step is done in parts of 1/8, 1/8, 1/4, 1/2 where all steps are repeated and FMUs
+        can take them: what is switched on at the start is quick.
     limit : magnitude of a linked value beyond which the run has diverged, in the input's unit.
     """
 
@@ -168,6 +170,7 @@ class Master(Part):
     error: Positive | None = None
     min_step: Positive | None = None
     max_step: Positive | None = None
+    start_in_parts: Boolean = True
     limit: Positive = 1e12
 
     @model_validator(mode="after")

@@ -28,6 +28,7 @@ from .plan import Plan, plan
 from .rig import Rig
 from .schema import SystemData
 from .start import initialise
+from .trial import tried
 from .watch import BondReport, Watch, bonds, jumps, reports, rough
 
 
@@ -197,6 +198,7 @@ class _Simulation:
             self.notices.append(
                 f"{names}: takes steps of one length, it says; the last step is {steps[-1]:.6g} s instead of {steps[0]:.6g} s"
             )
+        self.plan = tried(net, self.plan, system.master, times)
         self.rig = rig = Rig(net, {name: through(net, name) for name in net.names})
         self.history = History(net, rig.y, rig.end)
         watch = Watch(self.history, system.master.limit)

@@ -9,6 +9,7 @@ from .network import Feed, Network, start_values
 from .plan import Plan, plan
 from .schema import SystemData
 from .start import loops
+from .trial import candidates_of
 from .watch import bonds
 
 MOST = 12
@@ -116,6 +117,8 @@ def _master(chosen: Plan, data: SystemData, net):
         f"  {', '.join(g.names)}: {words[g.method] if len(g.names) > 1 else 'alone'}" for g in chosen.groups
     ]
     lines += [f"  {reason}" for reason in chosen.reasons]
+    if any(len(candidates_of(net, group, data.master)) > 1 for group in chosen.groups):
+        lines.append("  other sequences are tried in the first steps of a run, and the best is taken")
     constant = [n for n in net.names if not net.members[n].can.input_derivatives and net.fed[n].n]
     if chosen.order:
         lines.append(f"  inputs are polynomials of order {chosen.order} over a step")

@@ -106,6 +106,8 @@ def _tell(results):
     """What the coupling did, below the summary."""
     steps = ", ".join(f"{name} {n}" for name, n in results.work.items())
     out.print(f"\nsteps of the FMUs: {steps}", soft_wrap=True)
+    for reason in results.plan.reasons:
+        out.print(reason, soft_wrap=True)
     for bond in results.bonds:
         out.print(
             f"bond {bond.name}: made {bond.made:.3g} J of {bond.exchanged:.3g} J ({100 * bond.part:.2g} %)",
