@@ -63,6 +63,7 @@ CONTRADICTION = 15
 
 # likewise as an event
 NOT_ATTAINED = 16
+NOT_KNOWN = 18
 
 MESSAGES = {
     NOT_FINITE: "the motion is no longer finite; check inputs and parameters for huge values",
@@ -88,6 +89,8 @@ MESSAGES = {
     'input = ["position"]',
     NOT_ATTAINED: "the motion passes a singular position, where the accelerations are not known as well as solver.tolerance = %g asks: "
     "there the tolerance is %g",
+    NOT_KNOWN: "the accelerations are not known as well as solver.tolerance = %g asks, for rounding: where that is so, as here, "
+    "the tolerance is %g",
     LOOP_OPEN: "the loop cannot be closed at %s",
     OUTPUT_NOT_FINITE: "%s is not finite; check inputs and parameters for huge values",
     BAD_PARAMETER: "the mass or inertia of %s is not finite; check its parameters for huge values",

@@ -57,7 +57,7 @@ THOROUGH = {
     "prepare": "forces extremes rotors",
     "convex curves frames on_surfaces surfaces touching":
         "contacts end_frame_motions touching_surfaces end_frame_axes",
-    "choice control early estimates fixed gauss integrate memory pairs radau rk4 rkc ros2 tableaux": "steppers integrate between_steps",
+    "choice control early estimates fixed gauss integrate memory noise pairs radau rk4 rkc ros2 tableaux": "steppers integrate between_steps",
     "interpolation tables elastic": "tables drivers",
     "projection": "starts",
     "checks bodies orientation fields motion efforts forces solids tables":

@@ -13,9 +13,9 @@ from ..dynamics.rates import evaluate_now, store_rate
 from ..language import apart, inlined, kernel
 from ..signatures import DATA, MODEL, float64, int64
 from ..status import OK
-from . import control, memory
+from . import control, memory, noise
 from .estimates import NOTHING, advance, judge, length_again
-from .tableaux import NODES, STAGE_COUNT, STAGE_TOTAL
+from .tableaux import NODES, NOISE, STAGE_COUNT, STAGE_TOTAL
 
 # inner steps since an input jumped that make another jump unlikely, for then the work is lost
 QUIET = 32.0
@@ -128,6 +128,10 @@ def again(m, d, pair):
 
     if not error < math.inf:
         return NONE_WILL_BE
+
+    if not singular and noise.is_due(m, d):
+        d.now[0] = d.front_time[0]
+        noise.find(m, d, NOISE[pair], d.early_step[0])
 
     near = singular and d.early_share[1] < NOTHING and d.early_share[0] >= NOTHING
     d.next_step[pair] = length_again(d, pair, d.early_step[0], error, near)

@@ -4,8 +4,8 @@ import math
 
 from ..dynamics.rates import is_finite
 from ..language import inlined
-from . import control
-from .tableaux import ERRORS, GAP_COUNT, GAPS, ORDER, STAGE_COUNT, STAGE_TOTAL, STAGES
+from . import control, noise
+from .tableaux import ERRORS, GAP_COUNT, GAPS, NOISE, ORDER, STAGE_COUNT, STAGE_TOTAL, STAGES
 
 # the tolerance of a step past a singular position, where what rounding and the stages' errors make of the rows is large: nothing is
 # gained by less; by how much it is looser each time that the step was rejected, and at most. What a row adds to the others there, and beside what it adds elsewhere in the step; or alone (docs/theory.md 18.4)
@@ -121,6 +121,10 @@ def judge(m, d, pair, step, least, most, tries):
 
     if not (error < math.inf and is_finite(d, m.n_x)):
         return math.inf, math.inf, math.inf, singular
+
+    rounding = noise.floor(m, d, NOISE[pair], step)
+    error /= rounding
+    fine /= rounding
 
     if singular and error > 1.0:
         error /= allowance(m, tries)

@@ -15,7 +15,7 @@ from ..dynamics.rates import set_time
 from ..language import inlined, kernel
 from ..motion import commands
 from ..status import CHANGE_METHOD, CHANGE_PAIR, NOT_STIFF, OK, STIFF, status, tell
-from . import choice, control, early, fixed, memory, pairs, radau, rkc
+from . import choice, control, early, fixed, memory, noise, pairs, radau, rkc
 
 AUTO, RK54, RK853, RADAU = (STEPPERS[name].number for name in ("auto", "rk54", "rk853", "radau"))
 
@@ -100,6 +100,7 @@ def start(m, d):
     d.next_step[RADAU] = 0.0
     d.next_step[RKC.number] = 0.0
     choice.start(d)
+    noise.start(d)
     d.steps[0] = 0.0
     d.jump_steps[0] = -early.QUIET
     d.rejected[0] = 0.0

@@ -9,10 +9,21 @@ from ..dynamics.rates import evaluate, set_time, store_rate
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..signatures import DATA, MODEL, Tuple, boolean, float64, int64
-from ..status import CHANGE_METHOD, CHANGE_PAIR, NOT_ATTAINED, OK, TOO_MUCH_WORK, status, tell
-from . import choice, control, early, memory
+from ..status import CHANGE_METHOD, CHANGE_PAIR, NOT_ATTAINED, NOT_KNOWN, OK, TOO_MUCH_WORK, status, tell
+from . import choice, control, early, memory, noise
 from .estimates import MOST_TRIES, NOTHING, advance, allowance, extension_error, judge, length_again
-from .tableaux import DENSE, DENSE_COUNT, NODES, ORDER, STABLE, STAGE_COUNT, STAGE_TOTAL, STAGES
+from .tableaux import (
+    DENSE,
+    DENSE_COUNT,
+    GAP_NOISE,
+    NODES,
+    NOISE,
+    ORDER,
+    STABLE,
+    STAGE_COUNT,
+    STAGE_TOTAL,
+    STAGES,
+)
 
 # a step that would end this close behind the communication point ends there
 SLACK = 0.01
@@ -159,11 +170,12 @@ def length_to_try(m, d, h, left, onward):
 
 
 @inlined
-def tell_singular(m, d):
-    """Says once that the tolerance is not attained."""
+def tell_looser(m, d, singular, rounding):
+    """Says once that the tolerance is not attained: past a singular position, or by how many times less for rounding."""
     if d.singular_told[0] == 0.0:
         d.singular_told[0] = 1.0
-        tell(d, status(NOT_ATTAINED, 0), m.tolerance[0], allowance(m, MOST_TRIES) * m.tolerance[0])
+        looser = allowance(m, MOST_TRIES) if singular else rounding
+        tell(d, status(NOT_ATTAINED if singular else NOT_KNOWN, 0), m.tolerance[0], looser * m.tolerance[0])
 
 
 @inlined
@@ -171,7 +183,8 @@ def try_step(m, d, pair, s, step, passes, found, least, most, tries):
     """d.x a step (s) after x_before, at s (s), projected; with the continuous extension where the step `passes` H.
 
     Needs the rate at s in stage 0, and those of `found` stages in all; least, most : of d.least_share in them. Returns (error that
-    decides about the step and the next, estimate of it that is told, whether a singular position is too near, status).
+    decides about the step and the next, estimate of it that is told, whether it is past a singular position and whether that is
+    too near, status).
     Errors: 1: just allowed, inf: not a number, or the status tells why there is no step.
     """
     failure = OK
@@ -186,7 +199,7 @@ def try_step(m, d, pair, s, step, passes, found, least, most, tries):
         failure = evaluate(m, d, s + NODES[pair, stage] * step)
 
         if failure != OK:
-            return math.inf, math.inf, False, failure
+            return math.inf, math.inf, False, False, failure
 
         store_rate(m, d, stage)
 
@@ -198,17 +211,17 @@ def try_step(m, d, pair, s, step, passes, found, least, most, tries):
     near = singular and least < NOTHING
 
     if error > 1.0:
-        return error, told, near, OK
+        return error, told, singular, near, OK
 
     if told > 1.0:
-        tell_singular(m, d)
+        tell_looser(m, d, singular, noise.floor(m, d, NOISE[pair], step))
 
     # stages that were found early left another time
     set_time(m, d, s + step)
     failure = project(m, d)
 
     if failure != OK or not passes:
-        return error if failure == OK else math.inf, told, False, failure
+        return error if failure == OK else math.inf, told, singular, False, failure
 
     for k in range(m.n_x):
         d.front[k] = d.x[k]
@@ -217,7 +230,9 @@ def try_step(m, d, pair, s, step, passes, found, least, most, tries):
     extension, unseen = extension_error(m, d, pair, step, fine)
 
     if failure != OK or not extension < math.inf:
-        return math.inf, math.inf, False, failure
+        return math.inf, math.inf, singular, False, failure
+
+    extension /= noise.floor(m, d, GAP_NOISE[pair], step)
 
     if singular and extension > 1.0:
         extension /= allowance(m, tries)
@@ -230,7 +245,7 @@ def try_step(m, d, pair, s, step, passes, found, least, most, tries):
     elif extension > EXTENSION_ALLOWED:
         error = extension / EXTENSION_ALLOWED
 
-    return error, estimate, near, OK
+    return error, estimate, singular, near, OK
 
 
 @inlined
@@ -314,7 +329,9 @@ def adaptive(m, d, s, H, pair, onward, auto):
             least = share if share >= 0.0 else 1.0
             most = share
 
-        error, estimate, near, failure = try_step(m, d, pair, s, step, passes, found, least, most, tries)
+        error, estimate, singular, near, failure = try_step(
+            m, d, pair, s, step, passes, found, least, most, tries
+        )
         found = 1
 
         if error <= 1.0:
@@ -348,6 +365,7 @@ def adaptive(m, d, s, H, pair, onward, auto):
 
             s = H if reaches else s + step
             length = length_after(m, d, pair, step, error, estimate)
+            noise.count_step(d)
             tries = 0.0
 
             # a step that the end cut short says little about a longer one
@@ -355,6 +373,11 @@ def adaptive(m, d, s, H, pair, onward, auto):
 
         else:
             restore_x(m, d)
+
+            if error < math.inf and not singular and noise.is_due(m, d):
+                set_time(m, d, s)
+                noise.find(m, d, NOISE[pair], step)
+
             h = length_again(d, pair, step, error, near and share >= NOTHING)
             tries += 1.0
 

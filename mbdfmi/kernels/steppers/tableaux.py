@@ -377,5 +377,15 @@ def _gaps(pair, weights):
 GAP_COUNT = np.array([0, 2, 0])
 GAPS = _gaps(1, (47.0, 0.2))
 
+
+def _noise(errors):
+    """What a pair's estimate makes of independent errors of the rates, all of one size."""
+    fine, coarse = np.sqrt((errors**2).sum(axis=1))
+    return fine**2 / np.sqrt(fine**2 + 0.01 * coarse**2)
+
+
+NOISE = np.array([_noise(errors) for errors in ERRORS])
+GAP_NOISE = np.array([0.0, np.sqrt((GAPS**2).sum()), 0.0])  # and that of its continuous extension
+
 # from where on h |lambda| is at the border of stability (the same codes); inf: the last two stages do not tell
 STABLE = np.array([3.25, 6.1, np.inf])
