@@ -234,6 +234,7 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
         [VARIABLE_OUTPUT] = r->n.y,
         [VARIABLE_FIXED] = r->n.reals,
         [VARIABLE_TUNABLE] = r->n.reals,
+        [VARIABLE_CONSTANT] = r->n.reals,
         [VARIABLE_STATE] = r->ints[COUNT_n_x],
         [VARIABLE_RATE] = r->ints[COUNT_n_x],
         [VARIABLE_INDICATOR] = 2 * r->ints[COUNT_n_stop],

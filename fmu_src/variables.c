@@ -92,6 +92,9 @@ static Status check_set(Instance *c, uint32_t vr, double value)
     if (is_calculated(c, vr))
         return instance_refuse(c, "'%s' (value reference %u) is %s and cannot be set", name, vr,
                                kind_of(c, vr) == VARIABLE_OUTPUT ? "an output" : "calculated");
+    if (kind_of(c, vr) == VARIABLE_CONSTANT)
+        return instance_refuse(c, "the parameter '%s' (value reference %u) is bound: a constant",
+                               name, vr);
     if (running && kind_of(c, vr) == VARIABLE_FIXED)
         return instance_refuse(
             c, "the parameter '%s' (value reference %u) is fixed after the initialization", name,

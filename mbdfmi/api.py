@@ -98,12 +98,12 @@ class Scene(_scene.SceneData):
         except (NoEquilibrium, ValueError) as error:
             raise type(error)(f"{self._file}: {error}" if self._file else str(error)) from None
 
-    def simulate(self, until, step=None, inputs=None, parameters=None, specialise=False, **options):
+    def simulate(self, until, step=None, inputs=None, parameters=None, specialise=None, bind=None, **options):
         """Run in process up to `until` (s); see `mbdfmi.run.simulate.simulate`. Returns Results, columns by
         name, that can be looked at: `results.view()`.
 
         specialise : by a library of this scene alone, compiled for it and kept (docs/specialise.md): the same
-        numbers, faster.
+        numbers, faster. bind : parameters that are constants of it. By default as [code] in the scene says.
         """
         from .run.simulate import inputs_at_start, simulate
         from .view.show import Run
@@ -116,13 +116,20 @@ class Scene(_scene.SceneData):
             start = self._starting(hold, parameters, time)
             model, parameters = self._started(start), start.parameters
 
-        if specialise:
+        if self.code.specialise if specialise is None else specialise:
             from .export.specialise import scene_library
             from .run.instance import Entries
 
+            model = self._bound(model, bind)
             options["kernels"] = Entries.of(scene_library(model))
 
         return Run.of(simulate(model, until, step, inputs, parameters, **options))
+
+    def _bound(self, model, names):
+        """The model with parameters as constants, by default those of [code] in the scene."""
+        from .trace.binding import bound
+
+        return bound(model, self.code.bind if names is None else names)
 
     def show(self, path=None) -> Path:
         """The scene as it is assembled, as a page (.html), GLB or PNG; without a path, in the browser; see
@@ -238,7 +245,7 @@ class Scene(_scene.SceneData):
 
         return structure(self._whole())
 
-    def export(self, path=None, platforms=None, *, with_scene=True, **options) -> Path:
+    def export(self, path=None, platforms=None, *, with_scene=True, bind=None, **options) -> Path:
         """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`. Icon and page
         show the scene, where it can be assembled.
 
@@ -247,11 +254,18 @@ class Scene(_scene.SceneData):
         with_scene : whether the file that it was read from goes with the FMU, in resources/.
         fmi : among the options, 2 or 3; by default FMI 2.0.
         specialise : among the options, True for libraries of this scene alone (docs/specialise.md).
-        with_sources : among the options, True for its code in C99 too, in sources/ (docs/specialise.md).
+        with_sources : among the options, True for its code in C99 too, in sources/.
+        bind : names of parameters that are constants of the FMU; by default these three are as [code] in the
+        scene says.
         """
         from .export import export_fmu
 
-        model = self.compile()
+        model = self._bound(self.compile(), bind)
+
+        for option, asked in (("specialise", self.code.specialise), ("with_sources", self.code.sources)):
+            if options.get(option) is None:
+                options[option] = asked
+
         path = Path(path) if path else Path(f"{model.identifier}.fmu")
         pictures = self._pictures(model, options.get("progress"))
         file = self._file if with_scene else None

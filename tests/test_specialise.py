@@ -9,12 +9,15 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from fmu_host import ERROR, OK, Library
+from fmu_host import Instance as FMU
 
 import mbdfmi
 from mbdfmi.cli import main
 from mbdfmi.export import specialise
 from mbdfmi.kernels import language
 from mbdfmi.run.instance import Entries, Instance
+from mbdfmi.trace.binding import bound
 
 MODELS = Path(__file__).parents[1] / "models"
 
@@ -169,3 +172,71 @@ def test_commands_make_and_use_it(tmp_path, capsys):
 
     assert tables[0] == tables[1]
     assert main(["export", str(path), "--specialise", "-o", str(tmp_path / "own.fmu")]) == 0
+
+
+@cache
+def bound_library(names):
+    """(model, what is its own, its library) of the double pendulum with parameters bound."""
+    model = bound(scene("double_pendulum", "rk4").compile(), names)
+    found = specialise.own(model)
+    return model, found, specialise.scene_library(model, found=found)
+
+
+def test_bound_parameters_are_folded_and_give_the_same_bits():
+    free = scene("double_pendulum", "rk4").compile()
+    model, found, library = bound_library(("all",))
+    before = specialise.own(free).traced.operations
+    assert found.traced.operations < 0.8 * before
+    runs = [Instance(free), Instance(model, kernels=Entries.of(library))]
+
+    for _ in range(50):
+        for run in runs:
+            run.step(0.01)
+
+        assert runs[0].outputs().tobytes() == runs[1].outputs().tobytes()
+
+    assert runs[1].d.generic_evaluations[0] == 0
+
+
+def test_a_bound_parameter_is_shown_and_cannot_be_set(tmp_path):
+    path = scene("double_pendulum", "rk4").export(tmp_path / "bound.fmu", bind=["gravity", "bar1.mass"])
+    described = fmpy.read_model_description(str(path), validate=True)
+    found = {v.name: v for v in described.modelVariables}
+
+    for name in ("gravity[3]", "bar1.mass"):
+        assert (found[name].causality, found[name].variability) == ("local", "constant")
+
+    assert float(found["gravity[2]"].start) == -9.81 and found["bar2.mass"].causality == "parameter"
+
+    fmu = FMU(Library(path, tmp_path / "unpacked"))
+    assert fmu.setup() == fmu.enter() == OK
+    assert fmu.get("bar1.mass") == (OK, [1.0])
+    assert fmu.set({"bar1.mass": 2.0}) == ERROR and "is bound" in fmu.message
+    assert fmu.set({"bar2.mass": 2.0}) == OK
+
+
+def test_what_cannot_be_bound_is_refused():
+    model = scene("pendulum", "rk4").compile()
+
+    with pytest.raises(ValueError, match="tolerance"):
+        bound(scene("pendulum", "auto").compile(), ["solver.tolerance"])
+
+    with pytest.raises(KeyError, match="gravity"):
+        bound(model, ["gravty"])
+
+    with pytest.raises(ValueError, match="bound"):
+        scene("pendulum", "rk4").simulate(
+            0.1, parameters={"gravity[3]": -1.0}, specialise=True, bind=["gravity"]
+        )
+
+
+def test_the_scene_may_ask_for_it(tmp_path):
+    asking = mbdfmi.load(MODELS / "pendulum.toml")
+    asking.code = {"specialise": True, "bind": ["all"], "sources": True}
+    path = asking.export(tmp_path / "asked.fmu")
+
+    with zipfile.ZipFile(path) as archive:
+        assert "sources/scene.c" in archive.namelist()
+        described = archive.read("modelDescription.xml")
+
+    assert b'variability="constant"' in described and b"<SourceFiles>" in described

@@ -121,7 +121,7 @@ class Model:
         return float(self.reals[self.ints[layout.SLOT["x_nominal"]] + state.index])
 
     def of_causality(self, causality: str) -> list[Variable]:
-        """Inputs, outputs, parameters, states, rates or indicators."""
+        """Inputs, outputs, parameters, constants, states, rates or indicators."""
         return [v for v in self.listed if v.causality == causality]
 
 

@@ -206,13 +206,14 @@ def add_experiment(root, scene) -> None:
     element.set("stepSize", repr(experiment.step))
 
 
-INITIAL = {"input": None, "parameter": "exact"}
+INITIAL = {"input": None, "parameter": "exact", "constant": "exact"}
 """`initial` of a variable by its causality in the model; of all others "calculated"."""
 
 
 def causality_in_fmi(variable) -> str:
     """The causality that FMI knows."""
-    return "local" if variable.causality in ("state", "rate", "indicator") else variable.causality
+    known = variable.causality in ("input", "output", "parameter")
+    return variable.causality if known else "local"
 
 
 def _variables(root, model) -> None:

@@ -31,6 +31,10 @@ _HEADINGS = {
         "Parameters",
         "Tunable ones may be changed between steps, fixed ones before the simulation.",
     ),
+    "constant": (
+        "Constants",
+        "Parameters that are bound: nobody can change them.",
+    ),
 }
 
 
@@ -109,7 +113,7 @@ def _variables(model, causality: str) -> list:
     variables = model.of_causality(causality)
     rows = [[E.code(v.name), v.unit or "", v.description] for v in variables]
 
-    if causality == "parameter":
+    if causality in ("parameter", "constant"):
         head += ["Value", "Variability"]
         for row, v in zip(rows, variables):
             row += [f"{v.start:.10g}", v.variability]

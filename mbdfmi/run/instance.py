@@ -53,11 +53,16 @@ class Instance:
         self.u = self.d.u_buffer
         self.y = np.zeros(model.n_y)
         by_name = {v.name: v for v in model.of_causality("parameter")}
+        constants = {v.name for v in model.of_causality("constant")}
+        constants |= {name.partition("[")[0] for name in constants}
 
         for position, value in (inputs or {}).items():
             self.u[position] = value
 
         for name, value in (parameters or {}).items():
+            if name in constants:
+                raise ValueError(f"parameter {name!r} is bound: a constant of the model")
+
             found = [by_name[part].index for part in known(variable_name(name), by_name, "parameter")]
             self.reals[found] = numbers(
                 value, f"parameter {name!r}", () if len(found) == 1 else (len(found),)

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 
 # Tables whose entries have names of their own, as [body.upper], and other tables.
 NAMED_TABLES = ("body", "joint", "coupling", "force", "measure")
-TABLES = ("ground", "solver", "experiment", "view", "central_gravity", "sea", "wind")
+TABLES = ("ground", "solver", "experiment", "code", "view", "central_gravity", "sea", "wind")
 
 
 @dataclass(frozen=True)

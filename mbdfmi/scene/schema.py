@@ -7,6 +7,7 @@ from ..steppers import STEPPERS
 from ..vocabulary import SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
 from .checks import clashes, cross_references, rotors_without_wind, unfit_shapes, unfit_water
+from .code import Code
 from .couplings import Coupling
 from .errors import SceneError
 from .experiment import Experiment
@@ -134,7 +135,7 @@ class SceneData(Part):
         damping take: the rate of the total energy is the sum of the three less the last; momenta, the angular one
         about the inertial origin, and the centre of mass (3,); the largest error of the constraints in position and in
         velocity; the multipliers.
-    solver, experiment, ground, view : as above.
+    solver, experiment, code, ground, view : as above.
     body, joint, coupling, force, measure : by name, in the order written.
 
     Scene(...) takes these as keywords, Scene.model_validate a dict of them; both raise SceneError
@@ -151,6 +152,7 @@ class SceneData(Part):
     output: SomeOf(*SCENE_OUTPUTS) = []
     solver: Solver = Solver()
     experiment: Experiment = Experiment()
+    code: Code = Code()
     ground: Ground = Ground()
     view: View = View()
     body: dict[Name, Body] = {}

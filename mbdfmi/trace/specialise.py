@@ -11,6 +11,7 @@ from .graph import Graph
 from .places import GIVEN_WORK, KEPT_WORK, PREPARED, Everywhere, places, places_of, tunable
 from .record import Guard, Tracer
 from .searches import VALUES
+from .symbols import Symbol
 from .write import Body, Places
 
 NAME = "traced_rates"
@@ -46,29 +47,40 @@ class Traced:
         return {guard.place for guard in self.guards if bool(found[guard.node]) is not guard.holds}
 
 
-def trace_rates(instance, bound=()) -> Traced:
-    """`rates.evaluate_now` of the scene of an instance, traced at its state.
-
-    bound : places of `reals` that are parameters and yet do not change. Raises Untraceable.
-    """
+def trace_rates(instance) -> Traced:
+    """`rates.evaluate_now` of the scene of an instance, traced at its state. Raises Untraceable."""
     model = instance.model
     of_state = Everywhere()
-    free = tunable(model) - set(bound)
+    free = tunable(model)
     tracer = Tracer(
         instance.m,
         instance.d,
         {"reals": free, "state": of_state, "work": places_of(model, GIVEN_WORK), "u": of_state},
         {"reals": free, "state": places_of(model, PREPARED)},
     )
+    known = _prepared(tracer, model) if model.of_causality("constant") else {}
     status = tracer.run("dynamics.rates", "evaluate_now")
-    return _written_out(tracer, model, status)
+    return _written_out(tracer, model, status, known)
 
 
-def _written_out(tracer, model, status):
-    """The C of what was traced."""
+def _prepared(tracer, model):
+    """What follows from constants alone: place in the state -> node, all that stays of a run of `prepare`,
+    with its guards.
+    """
+    tracer.run("prepare", "prepare")
+    state = tracer.buffers["state"]
+    of_prepared = places_of(model, PREPARED)
+    known = [j for j, value in state.now.items() if j in of_prepared and not isinstance(value, Symbol)]
+    state.now = {j: state.initial[j] for j in known}
+    tracer.buffers["work"].now = {}
+    return {j: tracer.node_of(state.initial[j]) for j in known}
+
+
+def _written_out(tracer, model, status, known):
+    """The C of what was traced. known : what stands in the state already."""
     graph = tracer.graph
     of_work = places_of(model, KEPT_WORK)
-    stores = [("state", j, k) for j, k in tracer.written("state").items()]
+    stores = [("state", j, k) for j, k in tracer.written("state").items() if known.get(j) != k]
     stores += [("work", j, k) for j, k in tracer.written("work").items() if j in of_work]
     guards = list(tracer.guards.values())
     wanted = [k for _, _, k in stores] + [guard.node for guard in guards]

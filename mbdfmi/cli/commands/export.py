@@ -48,14 +48,22 @@ some minutes; later ones take a second.""",
     command.add_argument(
         "--specialise",
         action="store_true",
+        default=None,
         help="compile the kernels for this scene: a smaller and faster FMU, the same numbers "
         "(docs/specialise.md)",
     )
     command.add_argument(
         "--sources",
         action="store_true",
+        default=None,
         help="put the scene's own code in C99 into the FMU too, for processors that no library is made for "
         "(docs/specialise.md)",
+    )
+    command.add_argument(
+        "--bind",
+        metavar="NAME,...",
+        help="parameters that are constants of the FMU; all: but start values and those of the solver; "
+        "its own code is faster still (docs/specialise.md)",
     )
     command.add_argument(
         "--platform",
@@ -97,6 +105,7 @@ def run(options):
                         fmi=fmi,
                         specialise=options.specialise,
                         with_sources=options.sources,
+                        bind=options.bind and options.bind.split(","),
                         progress=_about(file, tell),
                     )
 

@@ -40,7 +40,13 @@ another value; inputs that change in time need Python: mbdfmi.load(...).simulate
     command.add_argument(
         "--specialise",
         action="store_true",
+        default=None,
         help="compile the kernels for this scene first: a faster run, the same numbers (docs/specialise.md)",
+    )
+    command.add_argument(
+        "--bind",
+        metavar="NAME,...",
+        help="with --specialise, parameters that are constants of the code, all for all but start values",
     )
     add_result_files(command, "all inputs and outputs")
     add_view(command, "the motion")
@@ -66,8 +72,9 @@ def run(options):
         )
 
     with time_bar(options.until) as progress:
+        bind = options.bind and options.bind.split(",")
         results = scene.simulate(
-            options.until, options.step, inputs, parameters, options.specialise, progress=progress
+            options.until, options.step, inputs, parameters, options.specialise, bind, progress=progress
         )
 
     show(results, csv, plot, shown, options.at)

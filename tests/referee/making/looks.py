@@ -44,6 +44,10 @@ def add(seed, data):
         start = dice.number(-1.0, 1.0)
         data["experiment"] = {"start": start, "stop": start + 5.0, "step": 0.05, "tolerance": 1e-6}
 
+    # what is said here changes no number: libraries are compiled and parameters bound where it is asked for
+    if dice.chance(0.1):
+        data["code"] = {"specialise": False, "sources": False, "bind": []}
+
 
 def _place_more(dice, data):
     """More shapes on the ground and its markers, turned in every way."""
