@@ -115,6 +115,24 @@ long by_hand_run(int system, int n, const double *start, const double *times, in
     }
 }
 
+#define MANY(rates)                                                                                \
+    for (; times > 0; times--) {                                                                   \
+        rates(0, x, rate);                                                                         \
+        for (int k = 0; k < n; k++) x[k] += 1e-12 * rate[k];                                       \
+    }
+
+/* That many evaluations, each at a state that follows from the one before. */
+void by_hand_many(int system, int n, long times, double *x)
+{
+    double rate[8];
+
+    switch (system) {
+        case 0:  MANY(double_pendulum) break;
+        case 1:  MANY(heavy_top) break;
+        default: MANY(four_bar) break;
+    }
+}
+
 /* Angles (rad) and rates of all three bars, by that of the crank. */
 void by_hand_four_bar(const double *x, double *angles, double *rates)
 {

@@ -2,6 +2,7 @@
 
 import ctypes
 import importlib.util
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -177,3 +178,18 @@ def test_a_swing_up_planned_on_equations_is_what_the_FMU_does(check):
     seen = plan.replay(scene, times, forces)
     check(np.abs(seen - states[:, :2]).max(), 1e-7)
     check(abs(seen[-1, 1] - np.pi), 1e-7)
+
+
+def test_what_ends_as_the_scene_moves_is_said_in_words(tmp_path, capsys):
+    hull = tmp_path / "hull.c"
+    assert (
+        main(["equations", str(MODELS / "floating_crane.toml"), "--c", "--no-outputs", "-o", str(hull)]) == 0
+    )
+    told = capsys.readouterr()
+    head = hull.read_text(encoding="utf-8").partition("*/")[0]
+    assert "hold only as long as" in told.err and "panels of hulls" in told.err
+    assert "panels of hulls" in head and not re.search(r"line \d|\w\.\w+\.\w+", head)
+
+    other = tmp_path / "pendulum.c"
+    assert main(["equations", str(MODELS / "pendulum.toml"), "--c", "-o", str(other)]) == 0
+    assert "hold only" not in capsys.readouterr().err

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from .branches import words
 from .derivatives import jacobian
 from .forms import FORMS
 from .functions import SceneGraph, scene_graph
@@ -25,11 +26,10 @@ class Function(NamedTuple):
 class Equations:
     """A scene's functions, and the names of all that goes in.
 
-    name : of the scene. scene : its graph. states, inputs, outputs, parameters : names of variables, as in
-    an FMU.
-    x, u, p : values at the start. guards : where in the kernels are the branches that the equations rest on.
-    tables : by name, where in `reals` an array of tables begins, and its numbers. functions : rates,
-    outputs, derivatives.
+    name : of the scene. scene : its graph. states, inputs, outputs, parameters : names of variables, as in an
+    FMU. x, u, p : values at the start. moving, lasting : what must hold where the equations are used, in
+    words; the first end as the scene moves. tables : by name, where in `reals` an array of tables begins, and
+    its numbers. functions : rates, outputs, derivatives.
     """
 
     name: str
@@ -41,7 +41,8 @@ class Equations:
     x: list[float]
     u: list[float]
     p: list[float]
-    guards: list[str]
+    moving: list[str]
+    lasting: list[str]
     tables: dict[str, tuple[int, list[float]]]
     functions: list[Function]
 
@@ -81,6 +82,7 @@ def equations(
         parameters=[scene.parameters[j] for j in kept],
         parameter_names=[scene.parameter_names[j] for j in kept],
     )
+    moving, lasting = words(scene.guards)
     return Equations(
         name=model.name,
         scene=scene,
@@ -91,7 +93,8 @@ def equations(
         x=instance.d.x.tolist(),
         u=instance.u[: model.n_u].tolist(),
         p=[float(reals[name]) for name in scene.parameter_names],
-        guards=sorted({guard.place for guard in scene.guards}),
+        moving=moving,
+        lasting=lasting,
         tables=_tables(instance, graph, needed),
         functions=functions,
     )

@@ -111,9 +111,9 @@ class _Text:
             "SI units, angles in rad; orientations are Euler parameters, scalar part last.",
         ]
 
-        if of.guards:
-            lines += ["", "Branches in the kernels are those that are taken at the start:"]
-            lines += [f"  {place}" for place in of.guards]
+        if of.moving or of.lasting:
+            lines += ["", "They hold where, as at the start,"]
+            lines += [f"  {text}" for text in (*of.moving, *of.lasting)]
 
         return "\n".join(lines)
 

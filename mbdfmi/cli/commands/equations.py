@@ -3,7 +3,7 @@
 from ...files import replacing, to_standard_output
 from ..arguments import add_command, add_scene
 from ..paths import load_scene, writable
-from ..terminal import doing_here, out
+from ..terminal import doing_here, err, out
 
 FORMS = {
     "c": "functions in C99",
@@ -73,6 +73,13 @@ def run(options):
             [] if options.bind else options.parameter, not options.no_outputs, options.derivatives
         )
         text = found.text(options.form)
+
+    if found.moving:
+        listed = "; ".join(found.moving)
+        err.print(
+            f"{options.scene}: these equations hold only as long as, as at the start, {listed}",
+            soft_wrap=True,
+        )
 
     if to_standard_output(path):
         out.print(text, markup=False, highlight=False, soft_wrap=True, end="")
