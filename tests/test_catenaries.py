@@ -217,6 +217,23 @@ def test_a_line_has_a_bed_where_its_anchor_is_on_one():
         assert Instance(compile_scene(scene)).m.line_bed[0] == bed
 
 
+def test_a_bed_that_rises_and_falls_is_told():
+    """Its work is in no power; where no bed is, or none that moves, energy is what the drive brings."""
+    for motion, more, told in (
+        ({"velocity": [0, 0, 0.3]}, {}, True),
+        ({"velocity": [0, 0, 0.3]}, {"bed": False}, False),
+        ({}, {}, False),
+    ):
+        ground = {"marker": {"anchor": {}}} | (
+            {"motion": {"acceleration": [0, 0, 0]} | motion} if motion else {}
+        )
+        model = compile_scene(moored([100, 0, 50], CHAIN | more, ground=ground))
+        assert (
+            any("catenary.bed: is as high as the first end, which moves" in text for text in model.notices)
+            == told
+        )
+
+
 def hywind(surge=0.0, pitch=0.0, yaw=0.0):
     """(6,) of the lines of the OC3-Hywind spar at a displacement (m, rad), about its origin on the waterline."""
     turns = np.radians([0, 120, 240])

@@ -1,7 +1,6 @@
 """The lowest versions that pyproject.toml names are enough."""
 
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -15,7 +14,7 @@ TESTS = "scene told tables notices names structure torsion scene_messages"
 
 @pytest.mark.long
 def test_the_lowest_versions_are_enough(tmp_path):
-    uv = shutil.which("uv") or pytest.skip("uv is not installed: it finds the lowest versions")
+    uv = pytest.importorskip("uv", reason="it finds the lowest versions").find_uv_bin()
 
     def run(*command, **variables):
         environment = os.environ | {"MBDFMI_CACHE": str(tmp_path / "cache")} | variables
@@ -26,11 +25,13 @@ def test_the_lowest_versions_are_enough(tmp_path):
 
     scripts = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
     run(uv, "venv", "--python", "3.11", tmp_path / "venv")
-    run(uv, "pip", "install", "--python", scripts / "python", "--resolution", "lowest-direct", ".[test]")
+    run(
+        uv, "pip", "install", "--python", scripts / "python", "--resolution", "lowest-direct", "-e", ".[test]"
+    )
 
     files = [f"tests/test_{name}.py" for name in TESTS.split()]
     run(scripts / "python", "-m", "pytest", "-q", "-x", "-n", "2", *files, MBDFMI_INTERPRETED="1")
 
-    # numba and zig of that time compile the kernels
+    # numba and zig of that time compile the kernels: an installation to work on has no library with it
     run(scripts / "mbdfmi", "export", "models/four_bar.toml", "-o", tmp_path / "four_bar.fmu")
     run(scripts / "mbdfmi", "check", tmp_path / "four_bar.fmu")

@@ -129,6 +129,24 @@ def test_wind_grows_with_height_and_comes_from_inputs(file):
     assert_near(found["rotor.thrust"], AIR / 2 * AREA * U**2 * thrust(1.2 * RADIUS / U, 0.2), 1e-6)
 
 
+def test_powers_and_the_ground_feel_the_wind_at_once(file):
+    """A rotor on what is fixed to the ground and one on a hub: power of loads and the ground's reaction depend on wind and pitch, input power on neither."""
+    data = turbine(
+        file, wind={"steady": {"velocity": [10, 0, 0]}, "input": ["velocity"]}, inputs=["pitch"]
+    ).model_dump(exclude_unset=True)
+    post = {"rotor": {"radius": 1.0, "table": file}, "on": "post", "input": ["pitch"]}
+    scene = data | {"output": ["load_power", "input_power"], "ground": {"output": ["reaction_force"]}}
+    scene["body"] = data["body"] | {"post": {"mass": 1.0, "inertia": [1, 1, 1]}}
+    scene["joint"] = data["joint"] | {"weld": {"fixed": {}, "between": ["ground", "post"]}}
+    model = compile_scene(Scene.model_validate(scene | {"force": data["force"] | {"blades": post}}))
+    names = {v.index: v.name for v in model.of_causality("input")}
+    felt = {v.name: {names[k] for k in v.depends} for v in model.of_causality("output")}
+    wind = {"wind.velocity[1]", "wind.velocity[2]", "wind.velocity[3]"}
+    assert felt["load_power"] == wind | {"rotor.pitch", "blades.pitch"}
+    assert wind | {"blades.pitch"} <= felt["ground.reaction_force[1]"]
+    assert not felt["input_power"] & (wind | {"rotor.pitch", "blades.pitch"})
+
+
 def test_a_rotor_runs_up_by_the_power_of_the_wind(file):
     """I Omega' = torque; the energy that it gets is that of the loads."""
     run = simulate(

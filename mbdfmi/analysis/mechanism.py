@@ -95,7 +95,11 @@ class Place:
         """(rows, columns, U, singular values, V^T) of each block of C: of loops that share no coordinate."""
         n_row, n = self.C.shape
         rows, columns = np.nonzero(self.C)
-        links = np.ones(len(rows)), (self.constraint[rows], n_row + columns)
+        # old scipy finds components of short indices alone
+        links = (
+            np.ones(len(rows)),
+            (self.constraint[rows].astype(np.int32), (n_row + columns).astype(np.int32)),
+        )
         _, number = scipy.sparse.csgraph.connected_components(
             scipy.sparse.coo_array(links, shape=(n_row + n, n_row + n)), directed=False
         )

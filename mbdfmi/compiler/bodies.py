@@ -265,7 +265,10 @@ def add_scene_outputs(builder):
                 felt, fed_by = _on_ground(builder)
                 nodes += felt
         elif output == "input_power":
-            fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves]
+            blown = _blown(builder)
+            fed_by = [k for k, given in enumerate(builder.inputs) if not given.moves and k not in blown]
+        elif output == "load_power":
+            fed_by = sorted(_blown(builder))
 
         text = quantity.text
 
@@ -302,6 +305,8 @@ def _on_ground(builder):
             if u >= 0 and 0 in map(builder.marker_node, pair):
                 fed_by.append(u)
 
+    fed_by += sorted(_blown(builder, ground))
+
     # the water of added mass is part of the ground
     for adds, first, second in _columns(
         builder, "n_six_by_six", "six_by_six_adds", "six_by_six_from", "six_by_six_to"
@@ -310,6 +315,23 @@ def _on_ground(builder):
             nodes.append(builder.marker_node(second))
 
     return nodes, fed_by
+
+
+def _blown(builder, node=None):
+    """Positions in u of the inputs that tell wind and blades of rotors: of all, or of those on a node."""
+    found = set()
+
+    for u, marker in _columns(builder, "n_wind_rotor", "wind_rotor_u", "wind_rotor_marker"):
+        if node is None or builder.marker_node(marker) == node:
+            found.add(u)
+            found.update(
+                first + k
+                for (first,) in _columns(builder, "n_wind", "wind_u")
+                if first >= 0
+                for k in range(3)
+            )
+
+    return found - {-1}
 
 
 def _columns(builder, count, *names):

@@ -43,6 +43,7 @@ def add_catenary(builder, name, force, ends):
         line_stiffness=spec.stiffness,
     )
     _tell_stretch(builder, name, force)
+    _tell_moving_bed(builder, name, force)
 
     for key, value, unit, about in (
         ("length", spec.length, "m", "unstretched length"),
@@ -83,3 +84,16 @@ def _tell_stretch(builder, name, force):
             f"{strain * spec.stiffness:.3g} N"
         )
         builder.notice(("force", name, "catenary", "length"), text)
+
+
+def _tell_moving_bed(builder, name, force):
+    """A notice of a bed that may rise and fall with what the line is anchored to."""
+    anchor = force.between[0]
+    moves = builder.scene.ground.motion if anchor.partition(".")[0] == "ground" else not stands_still(anchor)
+
+    if moves and _has_bed(builder, force):
+        text = (
+            "is as high as the first end, which moves: what a bed that rises or falls does to the line is in no power and no energy; "
+            "bed = false goes without"
+        )
+        builder.notice(("force", name, "catenary", "bed"), text)

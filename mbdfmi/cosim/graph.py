@@ -20,7 +20,8 @@ def components(nodes: Sequence[Hashable], edges: Iterable[tuple[Hashable, Hashab
     place = {node: k for k, node in enumerate(nodes)}
     pairs = [(place[a], place[b]) for a, b in edges]
     n = len(place)
-    rows, columns = zip(*pairs) if pairs else ((), ())
+    # old scipy finds components of short indices alone
+    rows, columns = np.array(pairs, np.int32).reshape(-1, 2).T
     matrix = scipy.sparse.csr_array((np.ones(len(pairs)), (rows, columns)), shape=(n, n))
     _, label = scipy.sparse.csgraph.connected_components(matrix, directed=True, connection="strong")
 

@@ -17,7 +17,8 @@ class CatenaryOptions(Part):
     diameter : m, of the round line of the same volume, by which water carries it; 0 in air.
     stiffness : N, EA: tension by strain.
     bed : whether it may lie on a bed, which is as high as the first end; by default where that is on the ground (unless the sea has a
-        depth and the end is more than 1 % of that above its bed).
+        depth and the end is more than 1 % of that above its bed). Where that end moves up or down, the bed does so with it, and its
+        work is in no power or energy.
     """
 
     length: Positive

@@ -314,6 +314,17 @@ def mass_and_gravity(scene, plan):
     return np.array([mass for mass, _ in found]), np.array([gravity for _, gravity in found])
 
 
+def bed_moves(data):
+    """Whether a line may lie on a bed that rises and falls, whose work nobody counts (a notice says so)."""
+    for force in data.get("force", {}).values():
+        if "catenary" in force and (bed := force["catenary"].get("bed")) is not False:
+            owner = force["between"][0].partition(".")[0]
+            if data.get("ground", {}).get("motion") if owner == "ground" else bed and owner != "inertial":
+                return True
+
+    return False
+
+
 def drivers(data):
     """The drivers of joints, of prescribed ones each of theirs."""
     found = [(joint, joint["driver"]) for joint in data.get("joint", {}).values() if joint.get("driver")]

@@ -56,7 +56,7 @@ def agrees(data, plan, run, exact, count):
             continue
 
         told = named(run.names, run.values[row[0]])
-        inputs = {name: np.squeeze(plan.inputs(t, k)[:, at]) for name, at in columns.items()}
+        inputs = {name: _input(plan, t, k, at) for name, at in columns.items()}
         own = system.evaluate(run.times[row[0]], system.motions_of(told), inputs, told)
         alone = {name: value for name, value in told.items() if name.rpartition(".")[0] not in shared}
         found = list(_instant(alone, own, run, run.times[row[0]], exact, count))
@@ -67,6 +67,13 @@ def agrees(data, plan, run, exact, count):
             return [replace(found[0], text=more)]
 
     return []
+
+
+def _input(plan, t, piece, columns):
+    """The orders of an input that are told: numbers, or rows of an array's elements."""
+    signals = [list(plan.signals.values())[column] for column in columns]
+    values = plan.inputs(t, piece)[: None if all(signal.told for signal in signals) else 1, columns]
+    return values[:, 0] if len(columns) == 1 else values
 
 
 def _instant(told, own, run, t, exact, count):

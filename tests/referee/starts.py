@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mbdfmi import Scene
+from mbdfmi.analysis.equilibrium import NoEquilibrium
 from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance, SimulationError
@@ -146,7 +147,7 @@ def checked(scene, path):
 
     try:
         wanted = Instance(Scene.model_validate(tomllib.loads(scene.to_toml())).compile()).notices
-    except (SceneError, SimulationError):
+    except (SceneError, SimulationError, NoEquilibrium):
         wanted = None
 
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):

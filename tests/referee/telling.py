@@ -37,16 +37,14 @@ def all_told(data):
         coupling["output"] = ["efforts"]
 
     for force in data.get("force", {}).values():
-        force["output"] = ["power"] if "load" in force else list(forces.WRENCH)
+        force["output"] = list(forces.WRENCH)
 
-        if "hydrostatics" in force:
-            force["output"] = list(telling.HULL)
+        for kind, told in telling.FORCES.items():
+            if kind in force:
+                force["output"] = list(told)
 
-        if "catenary" in force:
-            force["output"] = ["tension", "anchor_tension", "grounded_length", "force", "power"]
-
-        if "member" in force:
-            force["output"] = ["force", "power"]
+        if "hydrodynamics" in force:
+            force["output"] = telling.of_potential(force, data.get("sea"))
 
         if "torsion" in force:
             force["output"] = ["angle", *telling.TORSION]

@@ -224,7 +224,10 @@ def _unbalanced(data, scene, plan, way, of, count):
         return []
 
     integrals = laws.Integrals(found, way.pattern[1], laws.jumps(data))
-    unbalanced = laws.energy(integrals, of, count) + laws.courses(integrals, count)
+    unbalanced = laws.courses(integrals, count)
+
+    if not laws.bed_moves(data):
+        unbalanced += laws.energy(integrals, of, count)
 
     if laws.bears_all(data):
         unbalanced += laws.momentum(integrals, of, count, *laws.mass_and_gravity(scene, plan))

@@ -1,11 +1,9 @@
-"""Forces between two frames, and on one: struts, 6x6 elements, loads, inputs on bodies; hulls."""
+"""Forces between two frames, and on one: struts, 6x6 elements, loads."""
 
 import numpy as np
 
 from .efforts import Elastic
-from .hulls import Hull
 from .interpolation import Table
-from .lines import Line, Member
 from .reading import cross, dotted, listed, si
 
 
@@ -164,17 +162,3 @@ class Load:
     def wrench(self, t):
         """(force, moment) at t, in its axes."""
         return self.parts[0](t), self.parts[1](t)
-
-
-def element(given, name, force, sea, end):
-    """The element of a force's table. sea : the scene's table of that, maybe empty. end : (owner, position, axes) of an end by name."""
-    if "load" in force:
-        return Load(given, name, force)
-    if "catenary" in force:
-        return Line(given, name, force, sea, end(force["between"][0]))
-    for key, cls in (("hydrostatics", Hull), ("member", Member)):
-        if key in force:
-            return cls(given, name, force, sea)
-
-    kinds = {"spring_damper": Strut, "torsion": Torsion}
-    return next((kinds[kind] for kind in kinds if kind in force), Six)(given, name, force)

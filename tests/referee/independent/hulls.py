@@ -89,3 +89,10 @@ class Hull:
         second += np.einsum("n,ni,nj->ij", areas / 12, p + q, p + q)
         second -= area * np.outer(centre, centre)
         return area, middle + centre, np.array([second[1, 1], second[0, 0], second[0, 1]])
+
+    def act(self, now):
+        """At an instant."""
+        r, A, _, _ = now.frame(self.ends[0])
+        told = self.displaced(r, A, -now.system.gravity[2])
+        power = now.push(self.ends[0], told["force"], told["moment"])
+        self.energy, self.now = told.pop("energy"), told | {"power": power}

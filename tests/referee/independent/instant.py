@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .acting import ACTING
 from .equations import SIX
 from .joints import is_turned_over
 from .motion import rotation_of_zyx, turning_axes, zyx
@@ -222,8 +223,8 @@ class Instant:
 
         for e in system.elements.values():
             adders = {"spring_damper": self._add_strut, "load": self._add_load, "torsion": self._add_torsion}
-            adders |= {"hydrostatics": self._add_hull, "catenary": self._add_line, "member": self._add_member}
-            adders.get(e.kind, self._add_six)(e)
+            adders |= dict.fromkeys((*ACTING, "hydrodynamics"), lambda e: e.act(self))
+            adders.get(e.kind, self.add_six)(e)
 
         for name, body in system.data.get("body", {}).items():
             for path, table in (
@@ -256,6 +257,12 @@ class Instant:
         if self.system.gradient and mass > 0:
             moment, force = gradient(self.system.mu, place, A @ inertia @ A.T)
             self.weight[at] += np.concatenate([force, moment + cross(c, force)])
+
+    def push(self, end, force, moment=(0.0, 0.0, 0.0)):
+        """A force and a moment onto an end; their power (W)."""
+        self.pull += self._padded(self.system.wrench_on(self.motions, end, force, np.array(moment)))
+        _, _, v, w = self.frame(end)
+        return force @ v + np.array(moment) @ w
 
     def _add_joint(self, name, joint):
         """Efforts along the joint's coordinates, and torques of a spherical one."""
@@ -343,7 +350,7 @@ class Instant:
         self.input_power -= pulled * rate
         self.dissipated += e.now[2][1] * rate
 
-    def _add_six(self, e):
+    def add_six(self, e):
         moved, moving_, _, J = self.values["moved", e.name]
         seen, _, bias, J_seen = self.values["seen", e.name]
         (_, A1, _, _), (_, A2, _, _) = (self.frame(end) for end in e.ends)
@@ -377,33 +384,6 @@ class Instant:
         self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
         e.now = force @ v + moment @ w
         self.load_power += e.now
-
-    def _add_hull(self, e):
-        r, A, v, w = self.frame(e.ends[0])
-        e.now = e.displaced(r, A, -self.system.gravity[2])
-        force, moment = e.now["force"], e.now["moment"]
-        self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
-        e.now["power"] = force @ v + moment @ w
-
-    def _add_line(self, e):
-        frames = [self.frame(end) for end in e.ends]
-        on, on_bed, energy = e.forces(frames[0][0], frames[1][0], -self.system.gravity[2])
-        power = 0.0
-
-        for end, force, (_, _, v, _) in zip(e.ends, on, frames):
-            self.pull += self._padded(self.system.wrench_on(self.motions, end, force, np.zeros(3)))
-            power += force @ v
-
-        first, second = (np.linalg.norm(force) for force in on)
-        e.now = {"tension": second, "anchor_tension": first, "grounded_length": on_bed, "force": on[1]}
-        e.now |= {"power": power, "energy": energy}
-
-    def _add_member(self, e):
-        (r, _, v, w), (other, _, _, _) = (self.frame(end) for end in e.ends)
-        force, moment, power = e.drag(r, other, r, v, w)
-        self.pull += self._padded(self.system.wrench_on(self.motions, e.ends[0], force, moment))
-        self.dissipated -= power
-        e.now = {"force": force, "power": power}
 
     def _add_inputs(self, path, table):
         """Forces and moments that are inputs, at a body's frame or a marker."""

@@ -68,9 +68,9 @@ class Line:
         on_high, on_low = -H * along - [0, 0, V], H * along + [0, 0, bottom]
         on = (on_high, on_low) if flips else (on_low, on_high)
         on_bed = max(0.0, self.length - V / w) if self.bed else 0.0
-        return on, on_bed, self.energy(w, H, V, low)
+        return on, on_bed, self.stored(w, H, V, low)
 
-    def energy(self, w, H, V, low):
+    def stored(self, w, H, V, low):
         """J: strain along the line, and weight by height over the bed, or over 0 without one."""
         L, EA = self.length, self.stiffness
         on_bed = max(0.0, L - V / w) if self.bed else 0.0
@@ -87,11 +87,21 @@ class Line:
         free = quad_vec(of, on_bed, L, epsrel=1e-12, points=kinks)[0][0]
         return free + H * H * on_bed / (2 * EA)
 
+    def act(self, now):
+        """At an instant."""
+        first, second = (now.frame(end)[0] for end in self.ends)
+        on, on_bed, self.energy = self.forces(first, second, -now.system.gravity[2])
+        power = sum(now.push(end, force) for end, force in zip(self.ends, on))
+        anchor, tension = (np.linalg.norm(force) for force in on)
+        self.now = {"tension": tension, "anchor_tension": anchor, "grounded_length": on_bed, "force": on[1]}
+        self.now |= {"power": power}
+
 
 class Member:
     """Drag on a round member of one body."""
 
     kind = "member"
+    energy = 0.0
 
     def __init__(self, given, name, force, sea):
         spec, current = force["member"], sea.get("current") or {}
@@ -136,3 +146,11 @@ class Member:
             total += [*f, *cross(place - r, f), f @ speed]
 
         return total[:3], total[3:6], total[6]
+
+    def act(self, now):
+        """At an instant."""
+        (r, _, v, w), (other, _, _, _) = (now.frame(end) for end in self.ends)
+        force, moment, power = self.drag(r, other, r, v, w)
+        now.push(self.ends[0], force, moment)
+        now.dissipated -= power
+        self.now = {"force": force, "power": power}

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .acting import ACTING
 from .motion import turning_axes, zyx
 from .reading import cross, dotted
 
@@ -232,8 +233,10 @@ def _coupled(system, now, joint, multipliers):
 def _tell_element(told, e, table):
     if e.kind == "load":
         values = {"power": e.now}
-    elif e.kind in ("hydrostatics", "catenary", "member"):
-        values = {name: value for name, value in e.now.items() if name != "energy"}
+    elif e.kind in ACTING:
+        values = e.now
+    elif e.kind == "hydrodynamics":
+        values = e.told
     elif e.kind == "torsion":
         angle, rate, (spring, damper) = e.now
         values = {"angle": angle, "rate": rate, "spring_moment": spring, "damper_moment": damper}
@@ -283,8 +286,8 @@ def _tell_scene(told, system, now, acceleration, multipliers):
     for e in system.elements.values():
         if e.kind in ("spring_damper", "torsion"):
             spring += e.spring.energy(e.now[0])
-        elif e.kind in ("hydrostatics", "catenary", "member"):
-            spring += e.now.get("energy", 0.0)
+        elif e.kind in ACTING:
+            spring += e.energy
         elif e.kind != "load":
             spring += e.energy(e.now[2])
 

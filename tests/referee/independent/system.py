@@ -3,9 +3,9 @@
 import numpy as np
 
 from . import joints, outputs
+from .acting import element
 from .contacts import COUNT, Contact
 from .efforts import JointParts
-from .elements import element
 from .equations import STILL, of_kind
 from .instant import Hints, Instant
 from .mass import mass_properties
@@ -14,6 +14,7 @@ from .reading import Parameters, cross, kind_of, listed, pose, si
 from .simulate import run
 from .starts import motions_at_start
 
+SIXES = ("linear", "bushing", "torsion", "hydrodynamics")
 COUPLINGS = ("gear", "rack", "screw", "linear")
 
 
@@ -135,15 +136,14 @@ class System:
         self.ground = Ground((data.get("ground") or {}).get("motion"))
         self.joints = {name: Joint(given, name, table) for name, table in data.get("joint", {}).items()}
         self.couplings = {name: Coupling(name, table) for name, table in data.get("coupling", {}).items()}
-        sea = data.get("sea") or {}
         self.elements = {
-            name: element(given, name, table, sea, self.end) for name, table in data.get("force", {}).items()
+            name: element(given, name, table, data, self.end) for name, table in data.get("force", {}).items()
         }
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
             for name, joint in self.joints.items() if joint.kind in COUNT
         }  # fmt: skip
-        self.sixes = [e for e in self.elements.values() if e.kind in ("linear", "bushing", "torsion")]
+        self.sixes = [e for e in self.elements.values() if e.kind in SIXES]
         self.n_s = sum(contact.count for contact in self.contacts.values())
         self.width = 6 * len(self.owners) + self.n_s
         self.started = None

@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..independent.mass import mass_properties
-from . import frames, inside, kinds, led, looks
+from . import inside, kinds, led, looks, water
 from .dice import Dice
 
 
 def add(seed, mechanism, forces, gravity):
-    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, hulls to bodies, surfaces
+    """Rotors to joints of the tree, a torsion spring to the forces, a gradient to central gravity, water and wind, surfaces
     to the ground that nothing touches, a word to frames that may not spin, meshes to solids."""
     dice = Dice(seed, 1)
 
@@ -23,7 +23,11 @@ def add(seed, mechanism, forces, gravity):
         gravity["central_gravity"]["gradient"] = dice.chance(0.6)
 
     if gravity.get("gravity", [0, 0, -9.81])[:2] == [0, 0] and gravity.get("gravity", [0, 0, -9.81])[2] < 0:
-        _float(Dice(seed, 7), mechanism, forces, gravity)
+        water.fill(Dice(seed, 7), mechanism, forces, gravity)
+        water.wave(Dice(seed, 11), mechanism, forces, gravity)
+
+    if mechanism.taste["sea"] or Dice(seed, 12).chance(0.07):
+        water.blow(Dice(seed, 13), mechanism, forces, gravity)
 
     dice = Dice(seed, 6)
     for marker in mechanism.ground_marker.values():
@@ -60,69 +64,6 @@ def trim(seed, data) -> dict:
     found = {"find": dice.pick([names, dict.fromkeys(names, dice.number(0.1, 1.0))])}
     found |= {"rest": True} if rest else {"steady": dice.pick([True, joints[:1]])}
     return {"trim": found | ({"keep": {f"{joints[-1]}.speed": 0.0}} if rest or dice.chance(0.5) else {})}
-
-
-def _float(dice, mechanism, forces, water):
-    """Maybe hulls on bodies, most of which cut the water plane."""
-    if dice.chance(0.7):
-        water["sea"] = {"density": dice.number(1.0, 20.0)} if dice.chance(0.8) else {}
-
-        for k in range(dice.whole(1, 3)):
-            shape = dice.pick(("box", "cylinder", "mesh"))
-            options = {
-                "box": {"size": dice.numbers(3, 0.3, 1.5)},
-                "cylinder": {"radius": dice.number(0.2, 0.8), "length": dice.number(0.4, 1.5)},
-                "mesh": {"file": looks.WEDGE, "scale": dice.number(0.002, 0.006)},
-            }[shape]
-
-            if shape == "cylinder" and dice.chance(0.7):
-                options["sides"] = float(dice.whole(3, 9))
-
-            hull = {shape: options} | (frames.place(dice, 0.5)[0] if dice.chance(0.6) else {})
-            forces[f"hull {k}"] = {"hydrostatics": hull, "on": dice.pick(mechanism.body)}
-
-    if dice.chance(0.4):
-        _hang(dice, mechanism, forces)
-
-    if dice.chance(0.4):
-        _drag(dice, mechanism, forces, water)
-
-
-def _hang(dice, mechanism, forces):
-    """A line from the ground or a body to another."""
-    first, second = dice.some(["ground", *mechanism.body], 2)[:2]
-    pair = (second, first) if second == "ground" else (first, second)
-    spans = [np.zeros(3) if owner == "ground" else mechanism.poses[owner][0] for owner in pair]
-    distance = max(0.3, float(np.linalg.norm(spans[1] - spans[0])))
-    line = {"length": round(distance * dice.number(0.8, 1.8), 3), "mass": dice.number(0.2, 2.0)}
-    line["stiffness"] = dice.number(50.0, 500.0)
-
-    if dice.chance(0.5):
-        line["diameter"] = 0.01
-    if pair[0] == "ground" and dice.chance(0.5):
-        line["bed"] = dice.chance(0.5)
-
-    forces["the line"] = {"catenary": line, "between": list(pair)}
-
-
-def _drag(dice, mechanism, forces, water):
-    """Members on a body, maybe a current."""
-    owner = dice.pick(mechanism.body)
-    pile = {"diameter": dice.number(0.02, 0.2)}
-    pile |= {key: dice.number(0.2, 1.5) for key in ("drag", "axial_drag") if dice.chance(0.7)}
-    pile |= {"sections": float(dice.whole(1, 6))} if dice.chance(0.6) else {}
-    ends = [
-        mechanism.end(owner, {"position": dice.vector(0.5)}),
-        mechanism.end(owner, {"position": dice.vector(0.5)}),
-    ]
-
-    if ends[0] != ends[1]:
-        forces["the pile"] = {"member": pile, "between": ends}
-        sea = water.setdefault("sea", {"density": dice.number(1.0, 20.0)})
-
-        if dice.chance(0.6):
-            sea["depth"] = 20.0
-            sea["current"] = {"velocity": dice.vector(0.5)} | ({"exponent": 0.5} if dice.chance(0.5) else {})
 
 
 def lead(seed, mechanism, least):

@@ -50,16 +50,15 @@ def add(seed, data):
 
 
 def _place_more(dice, data):
-    """More shapes on the ground and its markers, turned in every way."""
+    """More shapes on the ground and its markers, and on bodies, turned in every way."""
     ground = data.get("ground", {})
     holders = [holder for holder in (ground, *ground.get("marker", {}).values()) if dice.chance(0.6)]
+    holders += [body for body in data["body"].values() if dice.chance(0.15)]
 
     for holder in holders:
         own = holder.get("shape", [])
-        holder["shape"] = [
-            *(own if isinstance(own, list) else [own]),
-            _shape(dice, "ground", {}, KINDS[:-1], turned=1.0),
-        ]
+        more = [_shape(dice, "ground", {}, KINDS[:-1], turned=1.0) for _ in range(3)]
+        holder["shape"] = [*(own if isinstance(own, list) else [own]), *more]
 
     if ground:
         data["ground"] = ground

@@ -46,6 +46,15 @@ HULL = (
     "volume", "center_of_buoyancy", "draught", "waterplane_area", "waterplane_center", "waterplane_moments",
     "force", "moment", "power",
 )  # fmt: skip
+FORCES = {
+    "load": ("power",),
+    "hydrostatics": HULL,
+    "catenary": ("tension", "anchor_tension", "grounded_length", "force", "power"),
+    "member": ("force", "power"),
+    "rotor": ("thrust", "torque", "wind", "power"),
+}
+EXCITATION = ("excitation_force", "excitation_moment", "excitation_power")
+RADIATION = ("radiation_force", "radiation_moment", "radiation_power")
 STRUT = ("length", "rate", "tension", "spring_force", "damper_force", "power")
 
 
@@ -81,12 +90,15 @@ class Teller:
 
         return self.output(options)
 
-    def force(self, table) -> dict:
-        """Of a force."""
-        if "load" in table:
-            return self.output(["power"])
-        if "hydrostatics" in table:
-            return self.output(HULL)
+    def force(self, table, sea=None) -> dict:
+        """Of a force; sea : that of the scene."""
+        for kind, options in FORCES.items():
+            if kind in table:
+                return self.output(options)
+        if "hydrodynamics" in table:
+            # what is remembered nobody can know who is not told
+            told = of_potential(table, sea)
+            return {"output": told} if told else {}
         if "torsion" in table:
             # without the angle nobody can tell its turns
             return {"output": ["angle", *TORSION]}
@@ -113,6 +125,13 @@ class Teller:
         if self.dice.chance(often):
             table["surface"] = shapes.surface(self.dice).table
         return table
+
+
+def of_potential(table, sea):
+    """What a body that makes waves can tell of them, and of those of the sea."""
+    options = table["hydrodynamics"]
+    feels = sea and "waves" in sea and options.get("excitation", True)
+    return [*(() if options.get("radiation") is False else RADIATION), *(EXCITATION if feels else ())]
 
 
 def texts(dice) -> dict:

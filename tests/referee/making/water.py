@@ -1,0 +1,149 @@
+"""Water and wind: hulls, lines, members, waves, bodies that make waves, rotors in the wind."""
+
+from pathlib import Path
+
+import numpy as np
+
+from . import frames, looks
+
+FILES = Path(__file__).parents[1] / "water"
+"""Coefficients of a body, components and a record of a sea, coefficients of a rotor."""
+
+WAVES = {"regular": 1.4, "jonswap": 2.5, "pierson_moskowitz": 2.5, "components": 1.4, "series": 1.2}
+DENSITIES = (4.0, 10.0)
+"""kg/m3, of seas with bodies that make waves, whose memory is fitted once for each."""
+
+
+def fill(dice, mechanism, forces, water):
+    """Maybe hulls on bodies, most of which cut the water plane."""
+    if dice.chance(0.7):
+        water["sea"] = {"density": dice.number(1.0, 20.0)} if dice.chance(0.8) else {}
+
+        for k in range(dice.whole(1, 3)):
+            shape = dice.pick(("box", "cylinder", "mesh"))
+            options = {
+                "box": {"size": dice.numbers(3, 0.3, 1.5)},
+                "cylinder": {"radius": dice.number(0.2, 0.8), "length": dice.number(0.4, 1.5)},
+                "mesh": {"file": looks.WEDGE, "scale": dice.number(0.002, 0.006)},
+            }[shape]
+
+            if shape == "cylinder" and dice.chance(0.7):
+                options["sides"] = float(dice.whole(3, 9))
+
+            hull = {shape: options} | (frames.place(dice, 0.5)[0] if dice.chance(0.6) else {})
+            forces[f"hull {k}"] = {"hydrostatics": hull, "on": dice.pick(mechanism.body)}
+
+    if dice.chance(0.4):
+        _hang(dice, mechanism, forces)
+
+    if dice.chance(0.4):
+        _drag(dice, mechanism, forces, water)
+
+
+def _hang(dice, mechanism, forces):
+    """A line from the ground or a body to another."""
+    first, second = dice.some(["ground", *mechanism.body], 2)[:2]
+    pair = (second, first) if second == "ground" else (first, second)
+    spans = [np.zeros(3) if owner == "ground" else mechanism.poses[owner][0] for owner in pair]
+    distance = max(0.3, float(np.linalg.norm(spans[1] - spans[0])))
+    line = {"length": round(distance * dice.number(0.8, 1.8), 3), "mass": dice.number(0.2, 2.0)}
+    line["stiffness"] = dice.number(50.0, 500.0)
+
+    if dice.chance(0.5):
+        line["diameter"] = 0.01
+    if pair[0] == "ground" and dice.chance(0.5):
+        line["bed"] = dice.chance(0.5)
+
+    forces["the line"] = {"catenary": line, "between": list(pair)}
+
+
+def _drag(dice, mechanism, forces, water):
+    """Members on a body, maybe a current."""
+    owner = dice.pick(mechanism.body)
+    pile = {"diameter": dice.number(0.02, 0.2)}
+    pile |= {key: dice.number(0.2, 1.5) for key in ("drag", "axial_drag") if dice.chance(0.7)}
+    pile |= {"sections": float(dice.whole(1, 6))} if dice.chance(0.6) else {}
+    ends = [
+        mechanism.end(owner, {"position": dice.vector(0.5)}),
+        mechanism.end(owner, {"position": dice.vector(0.5)}),
+    ]
+
+    if ends[0] != ends[1]:
+        forces["the pile"] = {"member": pile, "between": ends}
+        sea = water.setdefault("sea", {"density": dice.number(1.0, 20.0)})
+
+        if dice.chance(0.6):
+            sea["depth"] = 20.0
+            sea["current"] = {"velocity": dice.vector(0.5)} | ({"exponent": 0.5} if dice.chance(0.5) else {})
+
+
+def wave(dice, mechanism, forces, water):
+    """Maybe waves, and maybe a body that feels them and makes its own."""
+    if not (mechanism.taste["sea"] or dice.chance(0.12)):
+        return
+
+    sea = water.setdefault("sea", {})
+
+    if dice.chance(0.85):
+        sea["waves"] = _waves(dice)
+        sea |= {"output": ["elevation"]} if dice.chance(0.7) else {}
+
+    if dice.chance(0.75):
+        sea["density"] = dice.pick(DENSITIES)
+        options = {"file": str(FILES / "body.1")}
+        options |= {"scale": 0.9} if dice.chance(0.3) else {}
+        options |= {"radiation": _memory(dice)} if dice.chance(0.9) else {}
+        options |= {"excitation": dice.chance(0.5)} if dice.chance(0.6) else {}
+        owner = dice.pick(mechanism.body)
+        at = mechanism.end(owner, {"position": dice.vector(0.3)} if dice.chance(0.5) else {})
+        forces["the radiation"] = {"hydrodynamics": options, "on": at}
+
+
+def _memory(dice):
+    """Of waves made."""
+    way = dice.pick(["error", "states", "file", True, False])
+    return {
+        "error": {"error": 0.03}, "states": {"states": 4.0}, "file": {"file": str(FILES / "memory.ss")},
+    }.get(way, way)  # fmt: skip
+
+
+def _waves(dice):
+    """Of any kind, as long as the bodies are small."""
+    kind = dice.weighted(WAVES)
+    options = {"file": str(FILES / ("components.csv" if kind == "components" else "elevation.csv"))}
+
+    if kind == "regular":
+        options = {"height": dice.number(0.05, 0.4), "period": dice.number(1.0, 5.0)}
+        options |= {"phase_deg": dice.number(-180, 180)} if dice.chance(0.6) else {}
+    elif kind in ("jonswap", "pierson_moskowitz"):
+        options = {"hs": dice.number(0.05, 0.4), "tp": dice.number(1.5, 4.0)}
+        options["components"] = float(dice.whole(1, 40))
+        options |= {"seed": float(dice.whole(0, 99))} if dice.chance(0.8) else {}
+        options |= {"spacing": dice.pick(["energy", "frequency"])} if dice.chance(0.9) else {}
+        options |= {"gamma": dice.number(1.0, 5.0)} if kind == "jonswap" and dice.chance(0.8) else {}
+
+        if dice.chance(0.8):
+            options["spread"] = dice.number(1.0, 10.0)
+            options |= {"directions": float(dice.whole(2, 7))} if dice.chance(0.8) else {}
+
+    waves = {kind: options}
+    return waves | (
+        {"direction_deg": dice.number(-180, 180)} if kind != "components" and dice.chance(0.7) else {}
+    )
+
+
+def blow(dice, mechanism, forces, air):
+    """Wind, and a rotor in it."""
+    steady = {"velocity": dice.vector(4.0)}
+
+    if dice.chance(0.5):
+        steady["exponent"] = dice.number(0.05, 0.3)
+        steady |= {"reference_height": dice.number(1.0, 20.0)} if dice.chance(0.7) else {}
+
+    air["wind"] = {"steady": steady} | ({"density": dice.number(0.5, 3.0)} if dice.chance(0.6) else {})
+    air["wind"] |= {"input": ["velocity"]} if dice.chance(0.4) else {}
+    options = {"radius": dice.number(0.3, 0.8), "table": str(FILES / "rotor.csv")}
+    options |= {"pitch": dice.number(0.0, 0.4)} if dice.chance(0.6) else {}
+    at = mechanism.end(dice.pick(mechanism.body), frames.place(dice, 0.4)[0] if dice.chance(0.7) else {})
+    forces["the blades"] = {"rotor": options, "on": at}
+    forces["the blades"] |= {"input": ["pitch"]} if dice.chance(0.5) else {}
