@@ -290,3 +290,22 @@ def test_what_cannot_be_is_told(database):
                 afloat(database, outputs=(), radiation=radiation)
         else:
             assert compile_scene(afloat(database, outputs=(), radiation=radiation)).n_memory == 0
+
+
+def test_a_body_upside_down_moves_as_one_that_is_not(database):
+    """Turned by 180 degrees about x in potential flow, whose axes stay: no angle of the element is known there, and none is asked for."""
+    found = []
+
+    for E in ([0, 0, 0, 1], [1, 0, 0, 0]):
+        scene = afloat(
+            database,
+            {"euler_parameters": E},
+            radiation=False,
+            outputs=["excitation_power"],
+            sea={"waves": {"regular": {"height": 1.0, "period": 8.0}}},
+        )
+        scene.force.pop("hold")
+        found.append(simulate(compile_scene(scene), 2.0, 0.5))
+
+    for name in ("hull.position[1]", "hull.position[3]", "hull.velocity[3]", "dissipated_power"):
+        assert_near(found[1][name], found[0][name], 1e-9)

@@ -107,6 +107,10 @@ def _remove(data, table, names):
     if table in data and not entries:
         del data[table]
 
+    # wind that nothing is in
+    if not any("rotor" in force for force in data.get("force", {}).values()):
+        data.pop("wind", None)
+
 
 def _without_bodies(search):
     for names in _groups(search.data["body"]):

@@ -49,21 +49,25 @@ def swing_twist(A):
 
 @inlined
 def moment_of_swing_twist(columns, Q):
-    """The moment whose power on G (rx', ry', rz') is Q . (rx', ry', rz'): G^T moment = Q."""
+    """The moment whose power on G (rx', ry', rz') is Q . (rx', ry', rz'): G^T moment = Q. Not finite at a swing by 180 degrees, but of
+    no Q there is none there either."""
     g0, g1, g2 = columns
     c0 = al.cross(g1, g2)
     c1 = al.cross(g2, g0)
     c2 = al.cross(g0, g1)
     sum_ = al.axpy(Q[0], c0, al.axpy(Q[1], c1, al.scale(Q[2], c2)))
-    return al.scale(1.0 / al.dot(g0, c0), sum_)
+    det = al.dot(g0, c0)
+    nothing = det == 0.0 and abs(Q[0]) + abs(Q[1]) + abs(Q[2]) == 0.0
+    return al.scale(0.0 if nothing else 1.0 / det, sum_)
 
 
 @inlined
 def swing_twist_rates(columns, w):
-    """(rx', ry', rz') for an angular velocity: G^-1 w (see swing_twist)."""
+    """(rx', ry', rz') for an angular velocity: G^-1 w (see swing_twist); 0 at a swing by 180 degrees, where nobody knows them."""
     g0, g1, g2 = columns
     c0 = al.cross(g1, g2)
-    s = 1.0 / al.dot(g0, c0)
+    det = al.dot(g0, c0)
+    s = 1.0 / det if det != 0.0 else 0.0
     return s * al.dot(c0, w), s * al.dot(al.cross(g2, g0), w), s * al.dot(al.cross(g0, g1), w)
 
 
