@@ -309,3 +309,27 @@ def test_a_body_upside_down_moves_as_one_that_is_not(database):
 
     for name in ("hull.position[1]", "hull.position[3]", "hull.velocity[3]", "dissipated_power"):
         assert_near(found[1][name], found[0][name], 1e-9)
+
+
+@pytest.mark.parametrize("formulation", ["recursive", "augmented"])
+def test_waves_are_those_where_the_body_starts_once_loops_are_closed(database, formulation):
+    """A hull between rails: the one that closes the loop is 40 m further on, and takes it there."""
+    sea = {"waves": {"regular": {"height": 1.0, "period": 8.0}}}
+    free = afloat(
+        database, {"position": [40.0, 0, 0]}, sea=sea, radiation=False, outputs=["excitation_force"]
+    )
+    scene = free.model_dump(exclude_unset=True)
+    slide = {"prismatic": {"axis": "x"}, "between": ["ground", "cart"], "start": {"position": 40.0}}
+    cart = {"mass": 1.0, "inertia": [1, 1, 1]}
+    scene |= {"body": scene["body"] | {"cart": cart}, "joint": {
+        "rail": {"prismatic": {"axis": "x"}, "between": ["ground", "hull"]},
+        "slide": slide, "tow": {"prismatic": {"axis": "y"}, "between": ["cart", "hull"]},
+    }}  # fmt: skip
+    found = Instance(compile_scene(Scene.model_validate(scene | {"solver": {"formulation": formulation}})))
+    wanted = Instance(compile_scene(free))
+    names = [v.name for v in wanted.model.of_causality("output")]
+    told = dict(zip([v.name for v in found.model.of_causality("output")], found.outputs()))
+
+    for name, value in zip(names, wanted.outputs()):
+        if "excitation" in name or "position" in name:
+            assert_near(told[name], value, 1e-6 * (1.0 + abs(value)))

@@ -180,6 +180,7 @@ class Builder:
         self.reactions = []
         self.torque_inputs = {}
         self.radiations = []
+        self.wave_places = []
         self._markers = {}
         self.coordinates = {}
         self.starts_elsewhere = start_angles is not None

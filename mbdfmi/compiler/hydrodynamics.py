@@ -13,11 +13,14 @@ from ..hydro import memory as memory_module
 from ..hydro.memory import Memory, fit
 from ..hydro.reading import read_coefficients, read_states
 from ..hydro.spectra import Components, drawn, of_series, regular, wave_number
-from ..kernels import outputs
+from ..kernels import entry, layout, outputs
 from ..kernels.forces.six_by_six import FIRST
+from ..kernels.motion import markers
+from ..kernels.status import OK
 from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea, csv_columns
+from ..vectors import dot
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
 from .builder import Source
 from .start import start_pose
@@ -192,6 +195,8 @@ def _add_excitation(builder, name, force, marker, coefficients):
 
     _tell_outside(builder, path, waves, coefficients.wave_omega)
     parts = unit * (waves.amplitude * np.exp(1j * (waves.phase - way)))[:, None]
+    along = number[:, None] * np.column_stack([np.cos(waves.heading), np.sin(waves.heading)])
+    builder.wave_places.append((marker, place[:2], along))
     first = tables["n_part"].length
 
     for omega, part in zip(waves.omega, parts):
@@ -203,6 +208,27 @@ def _add_excitation(builder, name, force, marker, coefficients):
         excitation_parts=len(parts),
         excitation_step=2 * np.pi / waves.omega.max() / KNOTS,
     )
+
+
+def meet_waves(builder, model):
+    """Moves the phases of waves to where bodies start once loops are closed, if that is known."""
+    m, d = model.views()
+
+    if not (builder.wave_places and m.n_constraint):
+        return
+
+    if entry.prepare(m, d) != OK or entry.initialise(m, d, 0.0) != OK:
+        return
+
+    entry.compute_outputs(m, d, np.zeros(model.n_y))
+    first = model.ints[layout.SLOT["part_force"]]
+    force = model.reals[first : first + len(m.part_force)].reshape(-1, 2, 6)
+
+    for k, (marker, place, along) in enumerate(builder.wave_places):
+        parts = force[m.excitation_part[k] :][: len(along)]
+        moved = np.array(markers.position(m, d, marker))[:2] - place
+        turned = (parts[:, 0] + 1j * parts[:, 1]) * np.exp(-1j * dot(along, moved))[:, None]
+        parts[:, 0], parts[:, 1] = turned.real, turned.imag
 
 
 def _tell_outside(builder, path, waves, known):

@@ -33,7 +33,7 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
-from .hydrodynamics import add_sea
+from .hydrodynamics import add_sea, meet_waves
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -205,6 +205,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     add_ground_outputs(builder)
     add_scene_outputs(builder)
     model = _assemble(builder, STEPPERS[scene.solver.integrator], list_states(builder, _scene_length(scene)))
+    meet_waves(builder, model)
     notices = scene.notices + [str(notice) for notice in builder.notices]
     return replace(model, notices=notices)
 

@@ -32,10 +32,11 @@ LOOPS = {
 # kinds of trees: what they are mostly of
 FAMILIES = {
     "all": (3, TREE),
+    "slides": (0, {"revolute": 5, "prismatic": 9}),
     "hinges": (3, {"revolute": 5, "prismatic": 7}),
     "turned": (
         0,
-        {"spherical": 3, "universal": 4, "screw": 2, "fixed": 1, "cylindrical": 1, "revolute": 1, "free": 1},
+        {"spherical": 3, "universal": 5, "screw": 2, "fixed": 1, "cylindrical": 1, "revolute": 1, "free": 1},
     ),
     "loose": (2, {"free": 4, "spherical": 1, "planar": 1, "translation": 1, "cylindrical": 1, "revolute": 1}),
 }
@@ -46,11 +47,11 @@ RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 
 # loops that find their place less often than others
 SELDOM = {
-    "constant_velocity": 2.5,
-    "frame_on_curve": 1.8,
-    "frame_on_surface": 2.2,
-    "curve_on_curve": 1.5,
-    "rolling_sphere": 1.5,
+    "constant_velocity": 4.0,
+    "frame_on_curve": 3.0,
+    "frame_on_surface": 3.5,
+    "curve_on_curve": 2.5,
+    "rolling_sphere": 2.0,
 }
 
 # small scenes rich in one feature each
@@ -65,13 +66,13 @@ FOCUS = {
         "offset": 0.8,
         "outputs": {"all": 1},
     },
-    "turns": {"couplings": (1, 3), "wheel": 0.8, "fast": 1.0, "loops": (0, 1)},
+    "turns": {"size": 4, "family": "hinges", "couplings": (1, 3), "wheel": 0.8, "fast": 1.0, "loops": (0, 1)},
     "tables": {
         "spring": 0.5,
         "damper": 0.5,
         "size": 4,
-        "driver": 0.9,
-        "family": "hinges",
+        "driver": 0.95,
+        "family": "slides",
         "forces": (1, 3),
         "drivers": {"table": 1, "speed_table": 1},
     },
@@ -101,15 +102,17 @@ FOCUS = {
     },
     "drivers": {
         "size": 4,
-        "driver": 0.9,
-        "family": "hinges",
-        "drivers": motions.WAYS | {"hold": 1.8, "constant_speed": 2.4, "input": 3},
+        "driver": 0.95,
+        "family": "slides",
+        "drivers": motions.WAYS
+        | {"hold": 2.4, "constant_speed": 4.5, "input": 3, "harmonic": 2.2, "polynomial": 1.8},
     },
     "friction": {"friction": 0.8},
     "massless": {"bodies": {"massless": 3, "point": 2, "rod": 2, "inertia": 3}, "loops": (0, 2)},
     "added mass": {"family": "loose", "forces": (1, 3), "force kinds": {"linear": 1}, "added mass": 0.9},
     "outputs": {
         "family": "turned",
+        "central": 0.5,
         "outputs": {"all": 1},
         "forces": (1, 3),
         "measures": (1, 2),

@@ -9,7 +9,7 @@ from . import frames, looks
 FILES = Path(__file__).parents[1] / "water"
 """Coefficients of a body, components and a record of a sea, coefficients of a rotor."""
 
-WAVES = {"regular": 1.4, "jonswap": 2.5, "pierson_moskowitz": 2.5, "components": 1.4, "series": 1.2}
+WAVES = {"regular": 1.4, "jonswap": 2.7, "pierson_moskowitz": 2.9, "components": 1.4, "series": 1.2}
 DENSITIES = (4.0, 10.0)
 """kg/m3, of seas with bodies that make waves, whose memory is fitted once for each."""
 
