@@ -94,7 +94,10 @@ class Slave2(Slave):
     def begin(self):
         self.call("ExitInitializationMode")
         self._time, self._length = ctypes.c_double(0.0), ctypes.c_double(0.0)
-        self._do = partial(self.function("DoStep"), self.component, self._time, self._length, ctypes.c_int(0))
+        self._never_before = ctypes.c_int(1)
+        self._do = partial(
+            self.function("DoStep"), self.component, self._time, self._length, self._never_before
+        )
         self.stepper = self._stepper()
 
         if self.can.rollback:

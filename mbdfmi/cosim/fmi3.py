@@ -73,13 +73,14 @@ class Slave3(Slave):
         self._time, self._length = ctypes.c_double(0.0), ctypes.c_double(0.0)
         self._event, self._end, self._early = ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool()
         self._reached = ctypes.c_double()
+        self._never_before = ctypes.c_bool(True)
         told = self._event, self._end, self._early, self._reached
         self._do = partial(
             self.function("DoStep"),
             self.component,
             self._time,
             self._length,
-            ctypes.c_bool(False),
+            self._never_before,
             *(ctypes.byref(value) for value in told),
         )
 
@@ -122,7 +123,8 @@ class Slave3(Slave):
             self.work += 1
             self._time.value, self._length.value = reached, end - reached
             self._early.value = self._event.value = False
-            self.check(self._do(), "fmi3DoStep", f" at {reached:.9g} s")
+            with self.going_back(self.can.rollback):
+                self.check(self._do(), "fmi3DoStep", f" at {reached:.9g} s")
 
             if self._end.value:
                 raise Ended(self.name)

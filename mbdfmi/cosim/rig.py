@@ -125,7 +125,8 @@ class Port:
         time = part.time
         for _ in range(SUBSTEPS):
             try:
-                self.step(time, end - time)
+                with self.slave.going_back(self.rolls):
+                    self.step(time, end - time)
                 return
             except Discarded as part:
                 time = part.time

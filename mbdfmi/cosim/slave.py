@@ -6,6 +6,7 @@ import ctypes
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from shutil import rmtree
@@ -237,6 +238,21 @@ class Slave:
     # states
 
     state_word = ""
+
+    _never_before: Any
+    """noSetFMUStatePriorToCurrentPoint, which a doStep is told: true, as states are restored at the start of the step at the
+    earliest. Some FMUs go back by themselves in each step when they are told otherwise.
+    """
+
+    @contextmanager
+    def going_back(self, may: bool):
+        """For steps within a step of the master: whether a state at its start may be restored yet."""
+        self._never_before.value = not may
+
+        try:
+            yield
+        finally:
+            self._never_before.value = True
 
     def keep(self, slot: int = 0) -> int:
         """Saves its state; returns the status. A slot is written over by the next call."""
