@@ -7,6 +7,12 @@ EQUIVALENT = [
         "it is projected onto the constraints there",
     ),
     (
+        "kernels/motion/coordinates.py", "return al.dot(al.cross(w_a, z), w_b)",
+        "return al.dot(al.cross(z, w_a), w_b)",
+        "rows know the angles of hinges alone, whose axis is fixed in both bodies: w_b is w_a and a turn about z, "
+        "and the product is 0",
+    ),
+    (
         "kernels/motion/commands.py", "kind = m.drive_turn[2 * k]", "kind = m.drive_turn[k]",
         "the ground's drive, the only one with an orientation, is the first of all: k is 0",
     ),
