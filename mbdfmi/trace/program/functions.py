@@ -75,7 +75,7 @@ _OF_ARRAYS = frozenset(_IN_C.values())
 class Function:
     """One kernel, for arguments of one kind. name : in C. variables : what is known of them, arguments
     included. returned : what it returns. acts : whether it changes anything. stores : arguments that are
-    arrays and written to.
+    arrays and written to, or name such a one.
     """
 
     def __init__(self, python: FunctionType, name: str, arguments: list):
@@ -177,7 +177,9 @@ class Function:
         }
         shaped = {name: shape for name, shape in (known | self._others).items() if shape is not None}
         counters = set(map(self.word, self.reading.counters))
-        kinds = {name: types.declared(shape, name) for name, shape in shaped.items() if name not in counters}
+        kinds = {
+            name: self._declared(types, name, shape) for name, shape in shaped.items() if name not in counters
+        }
         items = without_unread(self.items, {*kinds, *map(self.word, self.parameters)})
         inside = lines(items, kinds)
         used = set().union(*(words(line) for line in inside)) if inside else set()
@@ -190,6 +192,11 @@ class Function:
         returned = types.name(self.returned)
         return f"static {returned}{'' if returned.endswith('*') else ' '}{self.name}({given})"
 
+    def _declared(self, types, word, shape):
+        """A variable's declaration: arrays are for reading, but those that are written to."""
+        text = types.declared(shape, word)
+        return text.removeprefix("const ") if word in map(self.word, self.stores) else text
+
     def _given(self, types):
         """(name, declaration) of what it takes."""
         found = [(RUN, f"const Run *{RUN}")] if self.takes_run else []
@@ -198,8 +205,8 @@ class Function:
             shape = self.variables[name]
 
             if not isinstance(shape, View):
-                text = types.declared(shape, self.word(name))
-                found.append((self.word(name), text.removeprefix("const ") if name in self.stores else text))
+                word = self.word(name)
+                found.append((word, self._declared(types, word, shape)))
 
         return found
 
@@ -342,7 +349,7 @@ class Program:
     @staticmethod
     def _pass_on(caller, made, name, arg):
         """An array that is written to by one that it is passed to."""
-        if name in made.stores and isinstance(arg.shape, Array) and arg.text in caller.parameters:
+        if name in made.stores and isinstance(arg.shape, Array) and arg.text in caller.names:
             caller.writes_to(arg.text)
 
     # the text

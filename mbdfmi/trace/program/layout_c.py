@@ -4,7 +4,7 @@ is left out."""
 import re
 from dataclasses import dataclass, field
 
-_WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
+_WORD = re.compile(r"(?<![\w.])(?<!->)[A-Za-z_]\w*")
 
 
 @dataclass

@@ -37,7 +37,11 @@ def reading(python: FunctionType) -> Reading:
     def look(node):
         name = node.id if isinstance(node, ast.Name) else ""
 
-        if isinstance(node, ast.For) and isinstance(node.target, ast.Name):
+        if (
+            isinstance(node, ast.For)
+            and isinstance(node.target, ast.Name)
+            and isinstance(node.iter, ast.Call)
+        ):
             target = node.target.id
             stored.add(target)
             look(node.iter)
