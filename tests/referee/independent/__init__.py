@@ -9,7 +9,7 @@ derivative come from CasADi's automatic differentiation.
 
 The dense system is solved by its singular values. Solutions that it leaves open,
 as reactions of redundant joints, are known as such, and what depends on them is not told.
-It does not know surfaces that touch or roll: `unknown` names these.
+It does not know surfaces that touch or roll: `unknown` names these. What waves do to a body it takes from what is told.
 
     reading        units, axes, orientations, names; the scene in SI units
     mass           solids to mass properties
@@ -23,6 +23,8 @@ It does not know surfaces that touch or roll: `unknown` names these.
     elements       forces between two frames, loads, inputs, added mass
     lines          lines by bisection, drag on members
     hulls          what water carries, by convex bodies
+    wind           rotors in the wind by splines of their tables, bodies that make waves
+    acting         which of these a force of the scene is
     system         System: all of it together
     instant        its solution at one instant
     outputs        what can be told of a solution
