@@ -74,6 +74,7 @@ class Scene(_scene.SceneData):
         as_given : with its start values as they are, whatever start the scene asks for. Raises SceneError;
         NoEquilibrium where it is to start in one and there is none, ValueError where no trim is found.
         """
+        as_given = as_given or self.solver.start == "given"
         return self._compiled(self._whole()) if as_given else self._started(self._starting())
 
     def _compiled(self, scene):

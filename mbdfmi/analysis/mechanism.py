@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..compiler.dependencies import joined
 from ..compiler.frames import axes_with_z
 from ..compiler.joint_kinds import kind_of
 from ..compiler.model import compile_scene
@@ -95,14 +95,8 @@ class Place:
         """(rows, columns, U, singular values, V^T) of each block of C: of loops that share no coordinate."""
         n_row, n = self.C.shape
         rows, columns = np.nonzero(self.C)
-        # old scipy finds components of short indices alone
-        links = (
-            np.ones(len(rows)),
-            (self.constraint[rows].astype(np.int32), (n_row + columns).astype(np.int32)),
-        )
-        _, number = scipy.sparse.csgraph.connected_components(
-            scipy.sparse.coo_array(links, shape=(n_row + n, n_row + n)), directed=False
-        )
+        links = zip(self.constraint[rows].tolist(), (n_row + columns).tolist())
+        number = np.array(joined(n_row + n, links), int)
         order = np.argsort(number, kind="stable")
         blocks = []
 

@@ -1,7 +1,12 @@
 """The command `mbdfmi`: a file for each of its commands (commands/), what they share beside them."""
 
+import os
+
 from .parser import parser
 from .terminal import carry_out
+
+# no model here has plugins; to look for them is to read what all installed packages say of themselves
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 __all__ = ["carry_out", "main"]
 

@@ -62,18 +62,23 @@ def _felt(inputs, island, nodes):
 
 def islands(nodes, groups):
     """For each node the number of its island: what joints and groups of nodes hold together, the ground left out."""
-    leader = list(range(len(nodes)))
+    links = [(i, node.parent) for i, node in enumerate(nodes)]
+    moving = [[i for i in group if i > 0] for group in [*links, *groups]]
+    return joined(len(nodes), (pair for group in moving for pair in itertools.pairwise(group)))
+
+
+def joined(n, pairs):
+    """For each of n things the first of those that pairs join it to."""
+    first = list(range(n))
 
     def find(i):
-        while leader[i] != i:
-            leader[i] = i = leader[leader[i]]
+        while first[i] != i:
+            first[i] = i = first[first[i]]
 
         return i
 
-    links = [(i, node.parent) for i, node in enumerate(nodes)]
-    moving = [[i for i in group if i > 0] for group in [*links, *groups]]
+    for i, j in pairs:
+        i, j = find(i), find(j)
+        first[max(i, j)] = min(i, j)
 
-    for i, j in (pair for group in moving for pair in itertools.pairwise(group)):
-        leader[find(i)] = find(j)
-
-    return [find(i) for i in range(len(nodes))]
+    return [find(i) for i in range(n)]
