@@ -379,6 +379,16 @@ def test_the_barge_of_a_turbine_swings_at_the_reference_periods():
     assert np.abs(periods - 11.3765).min() < 1e-4
 
 
+def test_a_locus_from_standstill_on_is_about_the_start_throughout():
+    """A bicycle that stands would fall and rest on its side: its locus over speed begins with it upright, too."""
+    found = locus(bicycle(0.0), "frame.velocity_start[1]", [0.0, 3.0, 5.0])
+    assert not any("left out" in text for text in found.notices)
+
+    for speed, roots in zip((0, 3, 5), found.eigenvalues):
+        right = np.array(BICYCLE[speed])
+        assert min(np.abs(roots[np.isfinite(roots)] - right[0])) < 1e-8
+
+
 def test_a_locus_is_about_one_kind_of_state():
     """A rod holds torques up to its weight's: beyond, there is no equilibrium, and no root of another kind of state."""
     body = {"rod": {"mass": 1.0, "inertia": [0.01, 1 / 12, 1 / 12], "com": [0.5, 0, 0]}}

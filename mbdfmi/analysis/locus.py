@@ -10,7 +10,7 @@ import scipy  # which imports its parts when they are asked for
 from ..files import check_ending, replacing
 from .linear import about
 from .manifold import AUTO, Manifold
-from .places import AT_REST, mechanism_of, state_at
+from .places import AT_REST, START, mechanism_of, rests, state_at
 from .starting import starting
 
 
@@ -118,12 +118,16 @@ def locus(
     progress: Callable[[str], None] | None = None,
 ) -> Locus:
     """Eigenvalues of a scene over values of a parameter or an input, by its variable's name; the others as
-    `linearise` takes them. Where there is an equilibrium for some values, those without one are left out.
+    `linearise` takes them. Where there is an equilibrium for some values, those without one are left out;
+    where the scene starts moving for some, all are about the start.
     """
     values = np.asarray(values, float)
     mechanism = mechanism_of(scene, hold, parameters)
     variables = {v.name: v for v in mechanism.model.variables}
     is_input = name in variables and variables[name].causality == "input"
+    if at is None:
+        at = _one_kind(scene, mechanism, name, values, is_input, hold, parameters)
+
     every: list = []
     places: list[str] = []
     notices: list[list[str]] = []
@@ -158,6 +162,21 @@ def locus(
 
     unit = variables[name].unit if name in variables else None
     return Locus(name, unit, values, _followed(every), mechanism.model.title, told)
+
+
+def _one_kind(scene, mechanism, name, values, is_input, hold, parameters):
+    """The start, where that moves for one of the values at least; else None."""
+    if scene.solver.start == "trim":
+        return None
+
+    for value in values.tolist():
+        held = (hold or {}) | ({name: value} if is_input else {})
+        changed = (parameters or {}) | ({} if is_input else {name: value})
+
+        if not rests(mechanism_of(scene, held, changed, like=mechanism)):
+            return START
+
+    return None
 
 
 def _followed(every):

@@ -335,6 +335,11 @@ class Manifold:
         n = len(own)
         found = ways.reshape(n, -1) @ carried.reshape(n, -1).T + self.V.T @ self._of_rotors() @ self.V
         found = 0.5 * (found + found.T)
+
+        # where a motion has no inertia the kernels lend it some
+        if not _is_regular(found * self.unit[own] * self.unit[own, None]):
+            return None
+
         efforts = found @ (np.random.default_rng(1).uniform(0.5, 1.0, n) * self.unit[own])
         self._ready()
         off = (found @ self._response(self.free[own], efforts) - efforts) * self.unit[own]
@@ -424,6 +429,16 @@ class Manifold:
             found[:, k] = (self.accelerations()[self.speeds] - ahead) / (2.0 * h)
 
         return found
+
+
+def _is_regular(mass):
+    """Whether a symmetric matrix is positive, and not by rounding alone."""
+    try:
+        pivots = np.diag(np.linalg.cholesky(mass))
+    except np.linalg.LinAlgError:
+        return False
+
+    return pivots.min() > 1e-7 * pivots.max()
 
 
 def _spatial(m, d):

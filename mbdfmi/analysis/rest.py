@@ -103,7 +103,12 @@ def equilibrium(
     """
     seen = observed(scene)
     mechanism = mechanism_of(seen, hold, parameters, time)
-    manifold, rest = settle(mechanism, nearest, progress, weather)
+
+    try:
+        manifold, rest = settle(mechanism, nearest, progress, weather)
+    except NoEquilibrium as error:
+        raise NoEquilibrium("; ".join([str(error), *stilled(mechanism)])) from None
+
     return _told(scene, manifold, rest, weather)
 
 
