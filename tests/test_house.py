@@ -17,7 +17,7 @@ PACKAGE = ROOT / "mbdfmi"
 
 FLOORS = (
     ("vocabulary", "steppers", "units", "files", "vectors", "rotations", "native"),
-    ("scene", "kernels", "hydro"),
+    ("scene", "kernels", "hydro", "aero"),
     ("compiler",),
     ("run",),
     ("trace",),

@@ -9,6 +9,7 @@ import mbdfmi
 from mbdfmi.cli import main
 from mbdfmi.compiler.hydrodynamics import sea_components
 from mbdfmi.hydro import spectra
+from mbdfmi.view.told import waves
 
 G = 9.80665
 
@@ -107,3 +108,19 @@ def test_files_that_are_no_sea_are_told(tmp_path, capsys):
     (tmp_path / "s.csv").write_text("t,e\n0,1\n1,2\n3,1\n")
     assert main(["sea", scene(tmp_path, '{ series = { file = "s.csv" } }')]) == 1
     assert "evenly spaced" in capsys.readouterr().err
+
+
+def test_a_page_is_told_the_waves(tmp_path):
+    """Its rows make the elevation of the components anywhere; no waves, none."""
+    made = mbdfmi.load(
+        scene(tmp_path, "{ jonswap = { hs = 2, tp = 8, components = 30 }, direction_deg = 40 }")
+    )
+    a, omega, phase, kx, ky = np.array(waves(made)).T
+    drawn, x, y, t = sea_components(made), 30.0, -12.0, 7.0
+    k = spectra.wave_number(drawn.omega, None, 9.81)
+    way = k * (np.cos(drawn.heading) * x + np.sin(drawn.heading) * y)
+    wanted = drawn.amplitude @ np.cos(drawn.omega * t + drawn.phase - way)
+    assert_near(a @ np.cos(omega * t + phase - kx * x - ky * y), wanted, 1e-4)
+    made.sea.output = []
+    made.sea.waves = None
+    assert waves(made) is None

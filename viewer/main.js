@@ -159,6 +159,7 @@ class Viewer {
       this.moveAlong(before);
     }
     this.arrows.seek(this.time);
+    this.extras.water?.seek(this.time);
     this.panel.update();
     this.plots.cursor();
   }

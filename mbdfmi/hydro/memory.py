@@ -24,6 +24,9 @@ DEAD = 2e-4
 FAR = 60.0
 PASSIVE = 1e-6
 
+# that are kept of what is found
+DIGITS = 9
+
 MOST_STATES = 40
 ROWS = 90
 
@@ -316,11 +319,16 @@ def _joined(parts, infinite, error, orders):
             source[-1][group], sink[-1][group] = B[k], C[:, k]
 
     return Memory(
-        np.array(pole, float).reshape(-1, 2),
+        _rounded(np.array(pole, float).reshape(-1, 2)),
         np.array(mate, int),
-        np.array(source, float).reshape(-1, 6),
-        np.array(sink, float).reshape(-1, 6),
-        infinite,
+        _rounded(np.array(source, float).reshape(-1, 6)),
+        _rounded(np.array(sink, float).reshape(-1, 6)),
+        _rounded(infinite),
         error,
         orders,
     )
+
+
+def _rounded(values):
+    """To so many digits that processors agree on them, which LAPACK's last ones do not."""
+    return np.array([float(f"{value:.{DIGITS}g}") for value in values.ravel()]).reshape(values.shape)

@@ -4,13 +4,18 @@ import base64
 
 import numpy as np
 
+from ..compiler.hydrodynamics import sea_components
 from ..compiler.variables import array_of
+from ..hydro.spectra import wave_number
 from ..rotations import Rotation
 from ..scene.fields import unit_vector
 
 # points of a plot, and numbers of all plots in a page
 PLOT_POINTS = 1200
 PLOT_NUMBERS = 200_000
+
+# components of a sea that a page shows
+MOST_WAVES = 200
 
 # of the radius: how far below the lowest point the grid lies
 BELOW = 0.02
@@ -37,6 +42,7 @@ def told(picture, results=None, notes=()):
         "grid": grid_cell(radius) if view.ground == "grid" else None,
         "floor": ground,
         "water": view.water,
+        "waves": waves(scene) if run and view.water == 0.0 else None,
         "centre": (root @ centre).tolist(),
         "radius": radius,
         "eye": (root @ eye(picture)).tolist(),
@@ -46,6 +52,22 @@ def told(picture, results=None, notes=()):
         "plots": plots(scene, results) if run and results is not None else None,
         "arrows": None,  # see arrows.py
     }
+
+
+def waves(scene):
+    """The strongest of the sea's components, None without waves.
+
+    Of each amplitude (m), frequency (rad/s), phase (rad), wave numbers along x and y (rad/m).
+    """
+    if not (scene.sea and scene.sea.waves) or scene.ground.motion:
+        return None
+
+    found = sea_components(scene)
+    k = wave_number(found.omega, scene.sea.depth, -scene.gravity[2])
+    along = [k * np.cos(found.heading), k * np.sin(found.heading)]
+    rows = np.column_stack([found.amplitude, found.omega, found.phase, *along])
+    strongest = np.sort(np.argsort(-found.amplitude, kind="stable")[:MOST_WAVES])
+    return [[float(f"{x:.7g}") for x in row] for row in rows[strongest]]
 
 
 def unseen_ground(picture):

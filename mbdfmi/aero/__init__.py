@@ -1,0 +1,1 @@
+"""Rotors in steady wind by blade elements: tables for the wind's rotors of scenes."""
