@@ -6,6 +6,7 @@
 
 #include "aside.h"
 #include "kernels.h"
+#include "traced.h"
 #include "variables.h"
 
 /* What inputs that are efforts move by: all is affine in them, and what does not depend on them is to be
@@ -38,15 +39,16 @@ static const Formula FORWARD = {
 static const Formula AFFINE = {2, LARGE, {0, 1}, {-1, 1}};
 
 typedef struct Columns {
-    uint64_t point;          /* of the instance, that all this is of */
-    size_t asked;            /* evaluations along more than one known */
-    double **column[N_PART]; /* by value reference, NULL: not known yet */
-    double *base[N_PART];    /* the unknowns there */
-    bool has_base[N_PART];
+    uint64_t point;           /* of the instance, that all this is of */
+    size_t asked;             /* evaluations along more than one known */
+    double **column[N_PART];  /* by value reference, NULL: not known yet */
+    double *base[N_PART_ALL]; /* the unknowns there */
+    bool has_base[N_PART_ALL];
 } Columns;
 
 size_t columns_height(const Instance *c, Part part)
 {
+    if (part == PREPARED) return (size_t)c->resource.n.state;
     return part == OUTPUTS ? (size_t)c->resource.n.y : (size_t)c->ints[COUNT_n_x];
 }
 
@@ -59,8 +61,8 @@ static void forget(Instance *c)
             free(k->column[part][i]);
             k->column[part][i] = NULL;
         }
-        k->has_base[part] = false;
     }
+    memset(k->has_base, 0, sizeof k->has_base);
     k->asked = 0;
     k->point = c->point;
 }
@@ -73,8 +75,8 @@ void columns_free(Instance *c)
     forget(c);
     for (int part = 0; part < N_PART; part++) {
         free(k->column[part]);
-        free(k->base[part]);
     }
+    for (int part = 0; part < N_PART_ALL; part++) free(k->base[part]);
     free(k);
     c->columns = NULL;
 }
@@ -90,8 +92,11 @@ static Columns *columns_of(Instance *c)
 
         for (int part = 0; part < N_PART; part++) {
             k->column[part] = calloc((size_t)c->resource.n.variables + 1, sizeof(double *));
+            complete = complete && k->column[part];
+        }
+        for (int part = 0; part < N_PART_ALL; part++) {
             k->base[part] = malloc((columns_height(c, part) + 1) * sizeof(double));
-            complete = complete && k->column[part] && k->base[part];
+            complete = complete && k->base[part];
         }
         if (!complete) {
             columns_free(c);
@@ -119,7 +124,7 @@ bool columns_has(const Instance *c, uint32_t known, Part part)
 
 static const double *unknowns(const Instance *c, Part part)
 {
-    return part == OUTPUTS ? c->y : c->rates;
+    return part == OUTPUTS ? c->y : part == RATES ? c->rates : c->state;
 }
 
 static void keep_base(Instance *c, Part part)
@@ -142,6 +147,7 @@ static Status begin(Instance *c)
 
 static Status evaluate(Instance *c, Part part)
 {
+    if (part == PREPARED) return instance_prepare(c);
     return part == OUTPUTS ? instance_outputs(c) : instance_rates(c);
 }
 
@@ -239,8 +245,9 @@ static double without_rounding(double value, double h)
     return snapped > 0 ? snapped : h;
 }
 
-Status columns_add_along(Instance *c, const uint32_t known[], size_t n, const double seed[],
-                         Part part, double sum[])
+/* columns_add_along by differences. */
+static Status differ_along(Instance *c, const uint32_t known[], size_t n, const double seed[],
+                           Part part, double sum[])
 {
     bool none = false;
     size_t others = 0;
@@ -278,6 +285,44 @@ Status columns_add_along(Instance *c, const uint32_t known[], size_t n, const do
     return result;
 }
 
+Status columns_add_along(Instance *c, const uint32_t known[], size_t n, const double seed[],
+                         Part part, double sum[])
+{
+    if (part != PREPARED && traced_along(c, known, n, seed) && traced_add(c, 0, part, sum))
+        return STATUS_OK;
+    return differ_along(c, known, n, seed, part, sum);
+}
+
+/* Keeps the columns of a known that the tape has found in a lane. */
+static void keep_traced(Instance *c, uint32_t known, int lane)
+{
+    for (Part part = OUTPUTS; part < N_PART; part++) {
+        if (c->columns->column[part][known]) continue;
+        double *column = calloc(columns_height(c, part) + 1, sizeof(double));
+        bool found = column && traced_add(c, lane, part, column);
+        if (!found) free(column);
+        c->columns->column[part][known] = found ? column : NULL;
+    }
+}
+
+/* Finds by the tape, where it can, the columns of a known and of those behind it that are of its kind. */
+static void find_traced(Instance *c, uint32_t known)
+{
+    static const double one = 1;
+    uint32_t lane[TAPE_LANES];
+    size_t n = 0;
+    int64_t kind = c->resource.variables[known].kind;
+
+    if (kind == VARIABLE_TUNABLE) {
+        if (traced_along(c, &known, 1, &one)) keep_traced(c, known, 0);
+        return;
+    }
+    for (uint32_t i = known; i < c->resource.n.variables && n < TAPE_LANES; i++)
+        if (c->resource.variables[i].kind == kind) lane[n++] = i;
+    if (!traced_each(c, lane, n)) return;
+    for (size_t i = 0; i < n; i++) keep_traced(c, lane[i], (int)i);
+}
+
 const double *columns_get(Instance *c, uint32_t known, Part part, Status *result)
 {
     static const double one = 1;
@@ -286,13 +331,16 @@ const double *columns_get(Instance *c, uint32_t known, Part part, Status *result
     if (columns_has(c, known, part)) return c->columns->column[part][known];
 
     Columns *k = columns_of(c);
+    if (k) find_traced(c, known);
+    if (columns_has(c, known, part)) return k->column[part][known];
+
     double *column = k ? calloc(columns_height(c, part) + 1, sizeof(double)) : NULL;
 
     if (!column) {
         *result = instance_refuse(c, "out of memory");
         return NULL;
     }
-    *result = columns_add_along(c, &known, 1, &one, part, column);
+    *result = differ_along(c, &known, 1, &one, part, column);
     if (*result != STATUS_OK) {
         free(column);
         return NULL;

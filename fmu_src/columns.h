@@ -5,7 +5,9 @@
 
 #include "instance.h"
 
-typedef enum { OUTPUTS, RATES, N_PART } Part;
+/* Unknowns: outputs; rates of the states; what stands in the state and follows from parameters, of which
+   nothing is kept. */
+typedef enum { OUTPUTS, RATES, N_PART, PREPARED = N_PART, N_PART_ALL } Part;
 
 /* The column of a known, by places in y or x', for reading until the instance changes; NULL, and
    `result` says why. */

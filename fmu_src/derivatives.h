@@ -1,6 +1,6 @@
-/* Directional and adjoint derivatives, from differences: of what is affine in the knowns exact to rounding,
-   else of order 6, some ten digits of smooth functions. What was found is kept until the instance
-   changes. */
+/* Directional and adjoint derivatives, exact by the scene's tape where that holds, else from differences: of
+   what is affine in the knowns exact to rounding, else of order 6, some ten digits of smooth functions.
+   What was found is kept until the instance changes. */
 #ifndef MBDFMI_DERIVATIVES_H
 #define MBDFMI_DERIVATIVES_H
 

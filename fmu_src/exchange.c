@@ -10,6 +10,10 @@
 #define DRIFT    1e-3
 #define ROUNDING 1e-12
 
+/* Velocities are led by what is known of the positions a step of Newton before: how often, at most, until
+   nothing changes. */
+#define MOST_LED 4
+
 static Status check_length(Instance *c, const double array[], size_t n, int64_t expected)
 {
     if (n > 0 && !array) return instance_refuse(c, "NULL instead of an array");
@@ -121,10 +125,12 @@ Status exchange_update(Instance *c, Event *event)
 
     if (result != STATUS_OK) return result;
     event->states_changed = is_off(c, ROUNDING);
-    if (event->states_changed) {
+    for (int i = 0; i < MOST_LED && result == STATUS_OK && is_off(c, ROUNDING); i++) {
         memcpy(instance_x(c), c->led, (size_t)c->ints[COUNT_n_x] * sizeof(double));
         instance_changed(c);
+        result = instance_lead(c);
     }
+    if (result != STATUS_OK) return result;
 
     void *excinfo;
     int32_t broken = mbdfmi_next_kink(&event->next_time, &excinfo, M_OF(c), D_OF(c));

@@ -11,6 +11,7 @@
 #include "columns.h"
 #include "kernels.h"
 #include "tolerance.h"
+#include "traced.h"
 
 /* ---- what kernels say ---- */
 
@@ -378,6 +379,7 @@ void instance_free(Instance *c)
 {
     if (c->log.is_sending) return;
     columns_free(c);
+    traced_free(c);
     free(c->course);
     aside_free(c);
     resource_free(&c->resource);

@@ -68,6 +68,7 @@ typedef struct Instance {
     double *course;          /* derivatives of outputs by time, once they are asked for ... */
     uint64_t course_point;   /* ... and of when */
     struct Columns *columns; /* derivatives, once they are asked for; see columns.h */
+    struct Traced *traced;   /* what they are found by; see traced.h */
 
     Core *before; /* room for a copy of the block, once instance_keep is called */
 } Instance;

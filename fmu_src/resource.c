@@ -9,6 +9,7 @@
 #include "crc32.h"
 #include "kernels.h"
 #include "sha256.h"
+#include "tape.h"
 
 #ifdef _WIN32
 #define WIN32_LEAN_AND_MEAN
@@ -280,6 +281,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     int64_t n_strings = r->n.variables + r->n.places + 2 * r->n.messages + r->n.notices;
     int64_t room = (int64_t)(length - sizeof start) - SHA256_SIZE;
 
+    room -= tape_size(&r->n);
     if (n_numbers > room / 8 || n_strings > room - 8 * n_numbers)
         return fail(why, why_size, "its sizes do not agree with its length");
 
@@ -293,7 +295,12 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
         return fail(why, why_size, "its contents are not those that its GUID was made of");
     if (!is_arranged(r, why, why_size)) return false;
 
-    const char *text = (const char *)(r->variables + r->n.variables) + SHA256_SIZE;
+    const unsigned char *tape =
+        (const unsigned char *)(r->variables + r->n.variables) + SHA256_SIZE;
+
+    if (!tape_take(r, tape)) return fail(why, why_size, "its tape is damaged");
+
+    const char *text = (const char *)tape + tape_size(&r->n);
     const char *end = (const char *)(r->data + length);
 
     r->names = malloc((size_t)(n_strings + 1) * sizeof *r->names);

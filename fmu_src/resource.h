@@ -8,12 +8,14 @@
      int64 ints[n.ints]; double reals[n.reals]; double u_start[n.u]
      Variable variables[n.variables], by value reference
      unsigned char told[32]: a digest of what modelDescription.xml says of the variables
+     the tape (tape.h): double constants[n.constants]; Operation operations[n.operations];
+     TapeGuard guards[n.guards]; int32 results[n.results]; zeros up to a multiple of 8 bytes
      NUL-terminated UTF-8: names of the variables, n.places places, for each of the n.messages
      messages its code in decimal and its text, n.notices notices
 
    The GUID is the beginning of the SHA-256 of the first N_SEALED sizes, the numbers and `told`. The
    kernels follow the indices in ints without looking: only what hashes to the GUID that the
-   description has reaches them.
+   description has reaches them. Those of the tape are looked at when it is read.
 */
 #ifndef MBDFMI_RESOURCE_H
 #define MBDFMI_RESOURCE_H
@@ -24,6 +26,16 @@
 
 #include "layout.h" /* Sizes, Variable, RESOURCE_..., GUID_SIZE */
 
+/* a, b, c, d: operations before it, places, or constants; see tape.c */
+typedef struct {
+    int32_t op, a, b, c, d;
+} Operation;
+
+/* a condition that the tape rests on */
+typedef struct {
+    int32_t operation, holds;
+} TapeGuard;
+
 typedef struct {
     Sizes n;
     char guid[GUID_SIZE]; /* NUL-padded, and NUL-terminated */
@@ -32,6 +44,11 @@ typedef struct {
     const double *reals;       /* start values of an instance's reals */
     const double *u_start;     /* start values of the inputs */
     const Variable *variables; /* by value reference; each lies in its buffer */
+
+    const double *constants;
+    const Operation *operations;
+    const TapeGuard *guards; /* the first n.led_guards: of the way to the constraints */
+    const int32_t *results;  /* operations of x', then of the outputs; none without a tape */
 
     const char **names; /* of the variables */
     const char **places;

@@ -101,5 +101,8 @@ static void fault(void)
 }
 
 __attribute__((section(".vectors"), used)) static const uintptr_t vectors[16] = {
-    (uintptr_t)_stack, (uintptr_t)reset, (uintptr_t)fault, (uintptr_t)fault,
+    (uintptr_t)_stack,
+    (uintptr_t)reset,
+    (uintptr_t)fault,
+    (uintptr_t)fault,
 };

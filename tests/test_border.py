@@ -4,6 +4,7 @@ import hashlib
 import re
 import struct
 import zlib
+from ctypes import c_double, c_size_t, c_uint
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from fmu_host import ERROR, OK, Instance, Library
 from mbdfmi.compiler import model as compiler
 from mbdfmi.compiler.variables import TABLE
 from mbdfmi.export import aot, description, export_fmu, header, link
-from mbdfmi.export.resource import VERSION, resource
+from mbdfmi.export.resource import GUID_SIZE, SIZES, VERSION, resource
+from mbdfmi.export.tape import tape
 from mbdfmi.kernels import layout, status
 from mbdfmi.scene import read_scene
 
@@ -171,13 +173,17 @@ def test_value_references_come_in_any_order(library, tmp_path):
     assert rows[0] == rows[1]
 
 
+START = 8 * len(SIZES) + GUID_SIZE
+"""Where the numbers of a resource file begin, behind its head."""
+
+
 def resealed(body):
     """A resource file of this body, with the GUID and the checksum that go with it."""
     ints, reals, _, _, u, _, variables = struct.unpack_from("<7q", body)
-    start, end = 144, 144 + 8 * (ints + reals + u + 3 * variables) + 32
+    start, end = START, START + 8 * (ints + reals + u + 3 * variables) + 32
     h = hashlib.sha256(body[:56] + body[start:end]).hexdigest()
     guid = f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-    body = body[:80] + guid.encode().ljust(64, b"\0") + body[start:]
+    body = body[: 8 * len(SIZES)] + guid.encode().ljust(GUID_SIZE, b"\0") + body[start:]
     return b"mbdfmi\0\1" + struct.pack("<IIQ", VERSION, zlib.crc32(body), len(body)) + body, guid
 
 
@@ -185,7 +191,7 @@ def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
     """Bits flipped in it, with a GUID and a checksum that agree: a message that names the variable, or values all the same."""
     body = resource(model, status.MESSAGES)[24:]
     assert resealed(body) == (resource(model, status.MESSAGES), model.guid)
-    table = 144 + 8 * (len(model.ints) + len(model.reals) + model.n_u)
+    table = START + 8 * (len(model.ints) + len(model.reals) + model.n_u)
     rng = np.random.default_rng(5)
     refused = 0
 
@@ -207,3 +213,33 @@ def test_a_broken_table_is_refused_or_harmless(model, library, tmp_path):
         instance.free()
 
     assert 300 < refused < 500
+
+
+def test_a_broken_tape_is_refused_or_harmless(model, library, tmp_path):
+    """Bits flipped in what derivatives are found by, with a checksum that agrees: a message, or numbers, whichever."""
+    line = tape(model)
+    body = resource(model, status.MESSAGES, line)[24:]
+    numbers = 8 * (len(model.ints) + len(model.reals) + model.n_u + 3 * len(model.listed)) + 32
+    first, rng, refused = START + numbers, np.random.default_rng(6), 0
+    kinds = [v.causality for v in model.listed]
+    mass = next(k for k, v in enumerate(model.listed) if v.name.endswith(".mass"))
+    keys = [(c_uint * 1)(k) for k in (kinds.index("output"), kinds.index("input"), mass)]
+    result, one = (c_double * 1)(), (c_double * 1)(1.0)
+
+    for _ in range(300):
+        damaged = bytearray(body)
+        damaged[first + int(rng.integers(len(line.data())))] ^= 1 << int(rng.integers(8))
+        instance = placed(library, tmp_path / "flipped", *resealed(bytes(damaged)))
+
+        if instance.component is None:
+            assert "its tape is damaged" in instance.message
+            refused += 1
+            continue
+
+        instance.start()
+        for known in keys[1:]:
+            given = keys[0], c_size_t(1), known, c_size_t(1), one, result
+            assert instance.call("fmi2GetDirectionalDerivative", *given) in (OK, ERROR)
+        instance.free()
+
+    assert 50 < refused < 250

@@ -1,18 +1,20 @@
 """Directional derivatives of an FMU: against closed forms and other differences, and good for what they are wanted for."""
 
 import time
-from ctypes import c_double, c_size_t
+from ctypes import c_double, c_size_t, c_uint
 
 import fmu_host3
 import numpy as np
 import pytest
 from fmu_host import ERROR, OK, Instance, Library
+from numpy.polynomial import chebyshev
 from scipy.linalg import solve_continuous_are
 from test_model_exchange import SCENES, Solver
 
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
+from mbdfmi.export.tape import NONE, tape
 from mbdfmi.scene import read_scene
 
 M, m, L, G = 2.0, 0.5, 0.8, 9.81  # kg, kg, m, m/s2: cart, bob, massless rod
@@ -203,6 +205,97 @@ def knowns_of(description, exchanges=True):
     )
 
 
+def through_points(function, size):
+    """The derivative at 0 of an analytic function, by the polynomial through its values at Chebyshev's points in +-size."""
+    at = np.cos((np.arange(25) + 0.5) * np.pi / 25)
+    values = np.array([function(size * place) for place in at])
+    found = chebyshev.chebfit(at, values, len(at) - 1)
+    return chebyshev.chebval(0.0, chebyshev.chebder(found)) / size
+
+
+@pytest.mark.parametrize(
+    "name", ["bricard", "four_bar", "satellite", "spinning_top", "three_link_arm", "bicycle"]
+)
+def test_exact(name, tmp_path):
+    """Rates and outputs by states to 1e-10, against polynomials of degree 24."""
+    scene = read_scene(next(path for path in SCENES if path.stem == name))
+    model, library = library_of(scene, tmp_path)
+    assert tape(model) is not NONE
+    solver = Solver(library)
+    x = solver.x + 1e-2 * np.random.default_rng(3).normal(size=solver.n)
+    solver.go(0.0, x)
+    solver.call("fmi2EnterEventMode")
+    solver.update()  # onto the constraints
+    x = solver.x
+    unknowns = [u.variable for u in library.description.derivatives]
+    names = [v.derivative.name for v in unknowns]
+    wanted = [v.name for v in unknowns] + [v.name for v in model.of_causality("output")]
+
+    def moved(k, h):
+        y = x.copy()
+        y[k] += h
+        solver.go(0.0, y)
+        return np.array(solver.fmu.get(*wanted)[1])
+
+    J = columns(solver.fmu, wanted, names)
+    nominal = np.array([float(v.derivative.nominal) for v in unknowns])
+    size = np.maximum(nominal, np.abs(x))
+    values = np.abs(moved(0, 0.0))
+    largest = np.abs(J).max(1) + 1e-3 * np.abs(J).max()
+
+    # Newton's method of the projection takes another iteration in the midst of some of these intervals, where it jumps by rounding
+    for k in range(len(x)):
+        error = []
+        for part in (0.05, 0.02, 0.01, 0.005):
+            h = part * size[k]
+            other = through_points(lambda move, k=k: moved(k, move), h)
+            error.append(np.max(np.abs(J[:, k] - other) / (largest + 1e-4 * values / h)))
+        assert min(error) < 1e-10, (names[k], error)
+
+    solver.fmu.free()
+
+
+def test_exact_by_parameters(tmp_path):
+    """What follows from parameters (inertias) inside, against polynomials through values that are set."""
+    library = library_of(hinges(8), tmp_path)[1]
+    fmu = Instance(library).start()
+    wanted = [f"j{k}.acceleration" for k in range(8)]
+    given = {"b3.mass": 4.0, "b3.com[1]": 0.2, "b3.inertia[2]": 0.2, "j2.damper": 0.1, "gravity[3]": -9.81}
+    J = columns(fmu, wanted, list(given))
+
+    for k, (name, value) in enumerate(given.items()):
+
+        def moved(h, name=name, value=value):
+            assert fmu.set({name: value + h}) == OK
+            return np.array(fmu.get(*wanted)[1])
+
+        other = through_points(moved, 0.2 * abs(value))
+        moved(0.0)
+        assert np.max(np.abs(J[:, k] - other)) < 1e-10 * np.abs(J[:, k]).max(), name
+
+    fmu.free()
+
+
+def test_a_tape_that_does_not_hold_is_not_used(tmp_path):
+    """A product of inertia that was zero when the scene was traced is another structure: differences then, and true."""
+    library = library_of(hinges(3), tmp_path)[1]
+    fmu = Instance(library).start()
+    wanted = [f"j{k}.acceleration" for k in range(3)]
+    zero = "b1.com[2]"
+    found = columns(fmu, wanted, [zero, "b1.com[1]"])
+
+    def moved(h):
+        assert fmu.set({zero: h}) == OK
+        return np.array(fmu.get(*wanted)[1])
+
+    np.testing.assert_allclose(found[:, 0], through_points(moved, 0.01), rtol=1e-7)
+    assert fmu.set({zero: 0.03}) == OK
+    again = columns(fmu, wanted, [zero, "b1.com[1]"])
+    assert np.abs(again - found).max() > 1e-3
+    np.testing.assert_allclose(again[:, 0], through_points(lambda h: moved(0.03 + h), 0.01), rtol=1e-8)
+    fmu.free()
+
+
 def test_adjoints_are_transposed(chain):
     """Co-simulation and model exchange, outputs and rates: s J e by the rows and by the columns."""
     rng = np.random.default_rng(0)
@@ -255,9 +348,15 @@ def test_a_kept_jacobian_costs_nothing(tmp_path):
     x, states = solver.x, [u.variable.derivative.name for u in library.description.derivatives]
     rates = [f"der({name})" for name in states]
 
+    rows = (c_uint * len(rates))(*map(library.reference, rates))
+    known = [(c_uint * 1)(library.reference(name)) for name in states]
+    one, result = (c_double * 1)(1.0), (c_double * len(rates))()
+
     def timed():
         start = time.process_time()
-        columns(solver.fmu, rates, states)
+        for key in known:
+            given = rows, c_size_t(len(rates)), key, c_size_t(1), one, result
+            assert solver.fmu.call("fmi2GetDirectionalDerivative", *given) == OK
         return time.process_time() - start
 
     first, again = [], []

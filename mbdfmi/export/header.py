@@ -14,7 +14,7 @@ from ..kernels import entry, layout, loops, prepare, signatures, status, views
 from ..kernels.language import APART
 from ..kernels.motion.commands import N_DERIVATIVE
 from ..native.library import TABLE as TABLE_NAME
-from . import resource
+from . import resource, tape
 from .description import LOG_CATEGORIES
 
 NAME = "layout.h"
@@ -27,7 +27,7 @@ _VIEWS = {signatures.MODEL: ("m", views.ModelView), signatures.DATA: ("d", views
 
 def layout_header() -> str:
     """The text of layout.h."""
-    parts = [_arrays(), _statuses(), _entries(), _resource(), _log()]
+    parts = [_arrays(), _statuses(), _entries(), _resource(), _tape(), _log()]
     return "\n\n".join(
         [
             f"/* Written by {__name__} when a library is linked: what C knows of the package. */",
@@ -196,6 +196,14 @@ typedef struct {{
 typedef struct {{
     int64_t {", ".join(TABLE.names or ())};
 }} Variable;"""
+
+
+def _tape() -> str:
+    """Operations of the tape (tape.py), and the buffers that its leaves stand in."""
+    return f"""/* Operations of the tape; see tape.h. */
+{_enum([*(f"TAPE_{name}" for name in tape.OPERATIONS.values()), "N_OPERATION"])}
+
+{_enum([*(f"LEAF_{name.upper()}" for name in tape.BUFFERS), "N_LEAF_BUFFER"])}"""
 
 
 def _log() -> str:

@@ -15,6 +15,8 @@ from .documentation import documentation
 from .link import library
 from .resource import NAME, resource
 from .specialise import own, scene_library
+from .tape import tape
+from .universal import universal
 
 DESCRIPTIONS = {2: description, 3: description3}
 """Who writes modelDescription.xml, by versions of FMI."""
@@ -61,6 +63,9 @@ def export_fmu(
 
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
 
+    if not model.exchanges:
+        progress(f"for co-simulation only, without model exchange: {_why_not_exchanged(model)}")
+
     found = _own(model, progress) if specialise or with_sources else None
     icon = pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes()
     files = {
@@ -70,7 +75,7 @@ def export_fmu(
         terminals.ICON: icon,
         "documentation/index.html": documentation(model, chosen, fmi, PICTURE if pictures else None),
         "documentation/licenses/license.txt": _licence(),
-        f"resources/{NAME}": resource(model, MESSAGES),
+        f"resources/{NAME}": resource(model, MESSAGES, tape(model)),
     }
     if pictures:
         files[f"documentation/{PICTURE}"] = pictures[0]
@@ -81,15 +86,34 @@ def export_fmu(
     if with_sources and found:
         files |= sources.sources(model, fmi, found.traced)
 
-    for name in chosen:
-        made = scene_library(model, name, progress, found) if specialise else library(name, progress)
-        data = made.read_bytes()
+    made = {
+        name: (
+            scene_library(model, name, progress, found) if specialise else library(name, progress)
+        ).read_bytes()
+        for name in chosen
+    }
 
+    for name, data in made.items():
         for folder in (PLATFORMS[name].folder3,) if fmi == 3 else PLATFORMS[name].folders:
             files[f"binaries/{folder}/{model.identifier}{PLATFORMS[name].suffix}"] = data
 
+    macs = [name for name in chosen if name.endswith("macos")]
+
+    if fmi == 2 and len(macs) > 1:
+        files[f"binaries/darwin64/{model.identifier}.dylib"] = universal([made[name] for name in macs])
+
     _write_archive(path, files)
     return path
+
+
+def _why_not_exchanged(model):
+    """Why a model has no model exchange."""
+    if model.n_command:
+        return "inputs command motions, and their speeds are not told there"
+
+    return (
+        "too many outputs depend on too many states" if model.n_x else "nothing in the scene moves by forces"
+    )
 
 
 def _own(model, progress):

@@ -10,7 +10,7 @@ from ..kernels.layout import ARRAY, COUNTS, SLOT, array_length
 from . import searches
 from .graph import REAL, Graph, Untraceable
 from .plain import ROOM, Kernels
-from .symbols import Symbol, node_of, symbol_of
+from .symbols import Symbol, maximum, node_of, symbol_of
 
 MOST_PATHS = 64
 """Ways through one kernel that are followed side by side at most."""
@@ -316,7 +316,21 @@ def _both_sides(function):
     return call
 
 
+def _largest(function):
+    """`algebra.largest`: of many numbers, whichever it is."""
+
+    def largest(p, n):
+        size = 0.0
+
+        for k in range(n):
+            size = maximum(size, abs(p[k]))
+
+        return size
+
+    return largest
+
+
 @cache
 def _kernels():
     replaced: dict[str, Callable] = dict.fromkeys(BOTH_SIDES, _both_sides)
-    return Kernels(replaced | searches.REPLACED)
+    return Kernels(replaced | {"math.algebra.largest": _largest} | searches.REPLACED)
