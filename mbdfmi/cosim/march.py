@@ -10,6 +10,7 @@ import numpy as np
 from .errors import CouplingError, Discarded, Ended
 from .history import History
 from .masters import GaussSeidel, Held, Iterated, Jacobi, Newton, Repeated, Stage
+from .misses import WITHIN
 from .plan import Plan
 from .rig import Rig
 from .schema import Master
@@ -21,8 +22,6 @@ FIRST = 1e-2
 SHORTEST = 1e-9
 """Macro steps, relative to the first, below which a run stops."""
 
-# part of the miss of a prediction that a polynomial through the true end misses within a step, by its order
-WITHIN = {0: 0.5, 1: 1 / 8, 2: 1 / 16}
 CAREFUL = (1 / 8, 1 / 4, 1 / 2, 1.0)
 """Ends of the parts that the first step is done in where steps are repeated, as parts of it."""
 

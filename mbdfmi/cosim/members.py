@@ -53,6 +53,8 @@ def read_member(name: str, table: Fmu, stack: ExitStack) -> Member:
     """The FMU of a table; that of a scene lives as long as the stack. Raises CouplingError."""
     model, path = (None, Path(table.file)) if table.file else _of_scene(name, table.scene, stack)
 
+    if not path.is_file():
+        raise CouplingError(f"{name}: there is no file {path}")
     try:
         # not validated: many a foreign FMU runs though a validator finds fault with its description
         description = fmpy.read_model_description(path, validate=False)

@@ -63,7 +63,7 @@ class Channel:
 class Slave:
     """One instance of an FMU for co-simulation; `Slave2` and `Slave3` know the versions of FMI.
 
-    name : in the system. can : its Capabilities. log : the last lines that it logged. work : doSteps so far.
+    name : in the system. can : its Capabilities. log : the last lines that it logged; logs : whether its debug log is on. work : doSteps so far.
     """
 
     version = 0
@@ -73,6 +73,7 @@ class Slave:
         self.name, self.path, self.description = name, Path(path), description
         self.can = capabilities(description)
         self.log: deque[str] = deque(maxlen=LINES)
+        self.logs = False
         self.told: list[str] = []
         self.work = 0
         self.component: Any = None
@@ -85,6 +86,7 @@ class Slave:
     def open(self, logging: bool = False):
         """Unpacks, loads and instantiates it. Raises CouplingError."""
         interface = self.description.coSimulation
+        self.logs = logging
         self.folder = fmpy.extract(str(self.path))
         library = self._library(Path(self.folder), interface.modelIdentifier)
         before = os.getcwd()
@@ -166,7 +168,11 @@ class Slave:
 
     def last_words(self) -> str:
         """What it logged last, to follow a message."""
-        return "; its log: " + " | ".join(list(self.log)[-4:]) if self.log else ""
+        if self.log:
+            return "; its log: " + " | ".join(list(self.log)[-4:])
+        return (
+            "" if self.logs else f"; it logged nothing: [fmu.{self.name}] log = true asks for its debug log"
+        )
 
     def heard(self, status: int, category: bytes | None, message: bytes | None):
         """Keeps a line of its log."""

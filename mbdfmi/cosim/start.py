@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from .errors import CouplingError
@@ -17,6 +19,9 @@ SINGULAR = 1e-9
 """Singular value, relative to the gain, below which a circle has no solution, or none of its own: differences have no more
 digits.
 """
+
+GAIN = 1e-3
+"""Of a circle, above 1: amplification that is told."""
 
 SMALLEST = 2.0**-10
 """Part of a Newton step that is tried at the least."""
@@ -36,9 +41,14 @@ def loops(net: Network, at_start: bool) -> list[list[Feed]]:
     return [group for group in components(feeds, edges) if len(group) > 1 or group[0] in alone]
 
 
-def initialise(rig: Rig):
-    """Makes all links consistent in initialisation mode. Raises CouplingError, with the circle that does not converge."""
+def initialise(rig: Rig, rolling: Collection[str] = ()) -> list[str]:
+    """Makes all links consistent in initialisation mode. Raises CouplingError, with the circle that does not converge.
+
+    rolling : FMUs whose steps are repeated. Returns what is to be told: circles that amplify changes, where steps are not.
+    """
     net = rig.net
+    in_the_run = [set(group) for group in loops(net, False)]
+    told = []
     edges = feed_edges(net, at_start=True)
     following: dict[Feed, list[Feed]] = {}
     for a, b in edges:
@@ -57,9 +67,13 @@ def initialise(rig: Rig):
         else:
             _pass_on(rig, waiting)
             waiting = []
-            _Loop(rig, group, following).solve()
+            loop = _Loop(rig, group, following)
+            loop.solve()
+            if set(group) in in_the_run and not {feed.taker for feed in group} <= set(rolling):
+                told += loop.unstable()
 
     _pass_on(rig, waiting)
+    return told
 
 
 def _pass_on(rig, feeds):
@@ -133,6 +147,19 @@ class _Loop:
             f"{circle_text(self.group, self.following)}, do not converge (they miss each other by {worst:.3g} of their "
             "values); other start values of these inputs may help, or a circle with a delay in it"
         )
+
+    def unstable(self):
+        """What is told of a circle that answers to a change by a larger one: a notice, or nothing."""
+        u = self.rig.now[self.rows].copy()
+        J = self._jacobian(u, self.outcome(u))
+        gain = float(np.abs(np.linalg.eigvals(J)).max()) if len(u) and np.all(np.isfinite(J)) else 0.0
+        if gain <= 1.0 + GAIN:
+            return []
+        return [
+            f"the links in a circle, {circle_text(self.group, self.following)}, answer to a change by {gain:.3g} times that "
+            "change, link by link, and the steps of their FMUs are not repeated: what is missed grows from step to step, and the "
+            "run will diverge; let the FMUs go back (rollback), or put a delay into the circle"
+        ]
 
     def _newton_step(self, u, f, r):
         J = self._jacobian(u, f)

@@ -23,13 +23,14 @@ from .graph import through
 from .history import History
 from .march import March
 from .members import Member, read_members
+from .misses import coarse, jumps, rough
 from .network import Network, network
 from .plan import Plan, plan
 from .rig import Rig
 from .schema import SystemData
 from .start import initialise
 from .trial import tried
-from .watch import BondReport, Watch, bonds, jumps, reports, rough
+from .watch import BondReport, Watch, bonds, reports
 
 
 class Coupled(Run):
@@ -131,6 +132,8 @@ class System(SystemData, metaclass=_SystemType):
                 raise CouplingError(
                     f"view: {view!r} is no scene of the system; there are {', '.join(scenes) or 'none'}"
                 )
+            # values that are no numbers are told, with the FMU that they come from
+            stack.enter_context(np.errstate(over="ignore", invalid="ignore"))
             try:
                 return _Simulation(self, members, net).run(start, until, step, progress, view)
             except CouplingError as error:
@@ -207,7 +210,7 @@ class _Simulation:
 
         try:
             rig.open(start, until)
-            initialise(rig)
+            self.notices += initialise(rig, self.plan.rolling)
             rig.begin()
             march = self._march(watch, steps[0])
             rig.end[:] = rig.now
@@ -273,6 +276,8 @@ class _Simulation:
             notices += march.notices
         notices += [bond.told for bond in found if bond.told]
         notices += rough(net, history)
+        if self.system.master.error is None:
+            notices += coarse(net, history, self.plan.order)
         states = None
         if self.recorder is not None:
             states = self.recorder.results().states

@@ -9,6 +9,7 @@ import numpy as np
 from .errors import CouplingError
 from .history import History
 from .members import Member
+from .misses import WINDOW
 from .network import Feed, Network, find
 from .schema import Bond
 
@@ -24,20 +25,11 @@ JUMP = 0.3
 """Median of a link's jumps in a chunk, relative to its largest value there, of a run that diverges."""
 
 WATT = (1, 2, -3, 0, 0, 0, 0)
-WINDOW = 32
-"""Macro steps within which jumps are compared with the range of a link."""
-
-ROUGH = 0.3
-"""Median of a link's jumps in a window, relative to its range there, that is told."""
-
-SHAKES = 1e-3
-"""Range of a link in a window, relative to the largest value that it had, from which on its jumps are looked at."""
+MUCH = 0.01
+"""Of the energy that a bond exchanged: what the coupling made of it that is told."""
 
 MUCH_AT_ONCE = 0.25
 """The same within a window of the run."""
-
-MUCH = 0.01
-"""Of the energy that a bond exchanged: what the coupling made of it that is told."""
 
 
 class Watch:
@@ -66,10 +58,24 @@ class Watch:
         k = int(np.argmin(fine.all(axis=1)))
         row = int(np.argmin(fine[k]))
         time = self.history.time[first + k]
+        y = self.history.y[first + k]
         # what is beyond is no result
         self.history.cut(first + k)
-        what = f"is {now[k, row]:.3g}" if np.isfinite(now[k, row]) else "is no number"
-        raise CouplingError(f"the run diverges: {self._link(row)} {what} at {time:.9g} s{ADVICE}")
+        self._no_number(row, y, time)
+        raise CouplingError(
+            f"the run diverges: {self._link(row)} is {now[k, row]:.3g} at {time:.9g} s, beyond [master] limit = "
+            f"{self.limit:g}{ADVICE}"
+        )
+
+    def _no_number(self, row, y, time):
+        """Raises CouplingError where what feeds an input is no number, which no other step would mend."""
+        feed = self.net.feeds[row]
+        for term in feed.terms if feed else ():
+            value = y[self.net.place(term.giver, term.output)]
+            if not np.isfinite(value):
+                raise CouplingError(
+                    f"{term.giver}: handed out {term.output.name} = {value} at {time:.9g} s, which {self._link(row)} passes on"
+                )
 
     def _link(self, row):
         feed = self.net.feeds[row]
@@ -258,43 +264,3 @@ def _sides(net, feed, history):
     # what comes on top is no part of the bond
     now, end = history.now()[:, row] - feed.offset, history.end()[:, row] - feed.offset
     return into * now, into * end, out * history.y[:, column], factor
-
-
-def rough(net: Network, history: History) -> list[str]:
-    """What is told of inputs that jump from step to step as far as they go at all, in some window of the run: there their
-    FMUs know too little of each other.
-    """
-    n = (history.n - 1) // WINDOW
-    if n == 0 or not net.n_u:
-        return []
-
-    rows = slice(1, 1 + n * WINDOW)
-    now, end = (values[rows].reshape(n, WINDOW, -1) for values in (history.now(), history.end()))
-    spread, peak = np.ptp(now, axis=1), np.maximum.accumulate(np.abs(now).max(axis=1))
-    usual = np.median(np.abs(now - end), axis=1)
-    # what a link shakes by less than it matters is no concern
-    bad = (usual > ROUGH * spread) & (spread > SHAKES * peak)
-    if not bad.any():
-        return []
-
-    window, row = (int(k[0]) for k in np.nonzero(bad))
-    feed = net.feeds[row]
-    share = 100 * usual[window, row] / spread[window, row]
-    return [
-        f"{feed.text if feed else row} jumps by {share:.2g} % of its range from step to step at {history.time[1 + window * WINDOW]:.6g} s: "
-        "the step is too long for the master, or the coupling is unstable; look at the results with doubt"
-    ]
-
-
-def jumps(net: Network, history: History) -> dict[str, float]:
-    """Largest jump of each input at a communication point, relative to the range of its values: what a step did not know."""
-    if history.n < 2:
-        return {}
-    now = history.now()
-    missed = np.max(np.abs(now - history.end())[1:], axis=0)
-    spread = np.ptp(now, axis=0)
-    return {
-        feed.text: float(missed[row] / spread[row]) if spread[row] > 0 else 0.0
-        for row, feed in enumerate(net.feeds)
-        if feed
-    }
