@@ -33,7 +33,7 @@ class Solver(Part):
         a fixed step: "rk4", explicit, of order 4; "ros2", linearly implicit, of order 2, for stiff motions in real time;
         "gauss", implicit and symmetric, of order 8, for the long run.
     formulation : "recursive", "embedding", "augmented", or "auto": joint coordinates, or, where many loops stand in a row and
-        that is predicted to be half as dear or less, bodies apart, whose own poses are the states and have the start values (as
+        that is predicted to be much cheaper, bodies apart, whose own poses are the states and have the start values (as
         with "augmented"; position and angle in the plane where all of the mechanism moves in one). `mbdfmi info` shows what was
         chosen.
     step : s, of those with a fixed step.
