@@ -1,5 +1,7 @@
 """Files are written whole or not at all, under the name that was meant and no other."""
 
+import csv
+import io
 import os
 import re
 import shutil
@@ -140,3 +142,41 @@ def _named(error, path):
         return type(error)(f"{path}: {error}")
 
     return type(error)(error.errno, error.strerror, str(path))
+
+
+def csv_table(path):
+    """(names, [(number of the line, cells)]) of a CSV file, a line of names first; blank ones do not count.
+
+    Cells are parted by commas, or by semicolons where the first line is. Raises OSError, and ValueError that
+    names the file: what is no text, what is empty, and a first line of numbers, which would be lost as names.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            text = file.read()
+
+        first = next((line for line in text.splitlines() if line.strip()), "")
+        reader = csv.reader(io.StringIO(text, newline=""), delimiter=";" if ";" in first else ",")
+        lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
+    except (UnicodeError, csv.Error) as error:
+        raise ValueError(f"{path}: is no table of text: {error}") from None
+
+    if not lines:
+        raise ValueError(f"{path}: is empty; needs a line of names, then lines of numbers")
+
+    (number, names), *rows = lines
+
+    if all(_is_number(name) for name in names if name.strip()):
+        raise ValueError(
+            f"{path}: line {number} is of numbers, {first.strip()[:60]!r}, and would be lost: write a "
+            "line of names above it"
+        )
+
+    return names, rows
+
+
+def _is_number(text):
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -155,6 +155,136 @@ def test_files_that_are_none(tmp_path):
             read_coefficients(tmp_path / name, RHO, G)
 
 
+def dropped(name, wanted):
+    """Rewrites a file without the lines whose words `wanted` refuses."""
+    lines = [line for line in name.read_text().splitlines() if wanted(line.split())]
+    name.write_text("\n".join(lines) + "\n")
+
+
+def test_a_gap_in_wamits_files_is_refused_and_a_mode_that_is_nowhere_is_not(tmp_path):
+    """A mode without some frequencies was zero there: heave of 0.995 m for 0.754 m. File, mode, frequencies are told."""
+    path = tmp_path / "body.1"
+    near = lambda words: 0.6 < 2 * np.pi / float(words[0]) < 0.79
+    whole = read_coefficients(files(tmp_path), RHO, G)
+
+    dropped(path, lambda words: not (float(words[0]) and words[1:3] == ["3", "3"] and near(words)))
+    with pytest.raises(
+        ValueError, match=r"body\.1: .*modes 3, 3 \(heave, heave\).*missing at 0.6, 0.64, 0.68, \.\.\."
+    ):
+        read_coefficients(path, RHO, G)
+
+    files(tmp_path)
+    dropped(path, lambda words: not (float(words[0]) == 0.0 and words[1:3] == ["5", "1"]))
+    with pytest.raises(ValueError, match=r"modes 5, 1 \(pitch, surge\).*missing at inf rad/s"):
+        read_coefficients(path, RHO, G)
+
+    files(tmp_path)
+    dropped(path, lambda words: "6" not in words[1:3])
+    dropped(tmp_path / "body.3", lambda words: words[2] != "6")
+    found = read_coefficients(path, RHO, G)
+    assert_near(found.damping[:, :5, :5], whole.damping[:, :5, :5])
+    assert not found.added[:, 5].any() and not found.excitation[:, :, 5].any()
+
+    dropped(tmp_path / "body.3", lambda words: words[1:3] != ["30", "3"] or not near(words))
+    with pytest.raises(
+        ValueError, match=r"body\.3: excitation of mode 3 \(heave\) at heading 30 degrees.*missing at 0.6"
+    ):
+        read_coefficients(path, RHO, G)
+
+    dropped(tmp_path / "body.3", lambda words: words[1:3] != ["30", "3"])
+    with pytest.raises(
+        ValueError, match=r"body\.3: excitation of mode 3 \(heave\).*12 of 13 headings, missing at 30 degrees"
+    ):
+        read_coefficients(path, RHO, G)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("2.0 3 3 1.0", "line 2 has no damping, at a period of 2 s"),
+        ("2.0 3 3 1.0 nan", "line 2 has what is no finite number"),
+        ("1.0 3 3 1.0 2.0", r"line 2 gives .*modes 3, 3 \(heave, heave\) at a period of 1 s again"),
+    ],
+)
+def test_lines_of_wamits_files_that_cannot_be_kept_are_told(tmp_path, line, words):
+    (tmp_path / "a.1").write_text(f"1.0 3 3 1.0 2.0\n{line}\n")
+    with pytest.raises(ValueError, match=words):
+        read_coefficients(tmp_path / "a.1", RHO, G)
+
+
+def test_a_gzipped_file_that_is_cut_short_is_told(tmp_path):
+    import gzip
+
+    files(tmp_path)
+    packed = gzip.compress((tmp_path / "body.3").read_bytes())
+    (tmp_path / "body.3").unlink()
+    (tmp_path / "body.3.gz").write_bytes(packed[: len(packed) // 2])
+    with pytest.raises(ValueError, match=r"body\.3\.gz: cannot be unpacked"):
+        read_coefficients(tmp_path / "body.1", RHO, G)
+
+
+@pytest.mark.parametrize("ending", [".nc", ".h5"])
+def test_a_gap_in_hdf_is_refused(written, tmp_path, ending):
+    """A frequency that failed is left out; an element that failed at one frequency alone is told."""
+    import shutil
+
+    path = shutil.copy(written[ending], tmp_path)
+    name = "radiation_damping" if ending == ".nc" else "body1/hydro_coeffs/radiation_damping/all"
+
+    with h5py.File(path, "r+") as file:
+        file[name][(5, 2, 2) if ending == ".nc" else (2, 2, 5)] = np.nan
+
+    with pytest.raises(ValueError, match=r"modes 3, 3 \(heave, heave\): given at 39 of 40 frequencies"):
+        read_coefficients(path, RHO, G)
+
+
+@pytest.mark.parametrize("name", ["RadiationCoefficients.tec", "ExcitationForce.tec"])
+def test_a_zone_of_nemoh_that_is_cut_short_is_told(written, tmp_path, name):
+    import shutil
+
+    for file in written[".tec"].parent.glob("*.tec"):
+        shutil.copy(file, tmp_path)
+
+    lines = (tmp_path / name).read_text().splitlines()
+    (tmp_path / name).write_text("\n".join(lines[:-2]))
+    with pytest.raises(ValueError, match=rf"{name}: zone .*given at 38 of 40 frequencies, missing at 3.9, 4"):
+        read_coefficients(tmp_path / "RadiationCoefficients.tec", RHO, G)
+
+
+def test_what_is_written_has_no_gaps(tmp_path):
+    """An element that is zero at one frequency is written there, too."""
+    from dataclasses import replace
+
+    from mbdfmi.hydro.wamit import write_wamit
+
+    found = read_coefficients(files(tmp_path), RHO, G)
+    added, damping = found.added.copy(), found.damping.copy()
+    added[7, 2, 2] = damping[7, 2, 2] = 0.0
+    write_wamit(tmp_path / "again.1", replace(found, added=added, damping=damping), RHO, G)
+    again = read_coefficients(tmp_path / "again.1", RHO, G)
+    assert_near(again.damping, damping, 1e-7 * damping.max())
+
+
+def test_damping_that_has_not_died_out_where_the_frequencies_end_is_told(tmp_path):
+    path = tmp_path / "body.1"
+    files(tmp_path)
+    dropped(path, lambda words: float(words[0]) == 0.0 or 2 * np.pi / float(words[0]) < 0.5)
+    _, notes = read_coefficients(path, RHO, G).checked()
+    assert any(
+        "the damping in heave is 100 % of its peak at the last frequency, 0.48 rad/s" in n for n in notes
+    )
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-13, 1e-9, 1e-6, 1e-4])
+def test_added_mass_at_a_frequency_of_the_integrals(tmp_path, off):
+    """Those of evenly spaced files are among them: the integrand has a limit there, and the result is that of the modes."""
+    kernel = Kernel(read_coefficients(files(tmp_path, waves=False), RHO, G))
+    omega = np.array([(kernel.omega[k] + kernel.omega[k + 1]) / 2 * (1 + off) for k in (100, 350, 800)])
+    wanted = response(omega).imag / omega[:, None, None]
+    size = np.abs(wanted).max(axis=0)
+    assert (np.abs(kernel.added(omega) - wanted) <= 5e-3 * size.max()).all()
+
+
 def test_irregular_frequencies_do_not_stop_a_fit(tmp_path):
     """A spike of B between two frequencies: the memory meets it, passive and stable."""
     from dataclasses import replace

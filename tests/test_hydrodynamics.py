@@ -333,3 +333,20 @@ def test_waves_are_those_where_the_body_starts_once_loops_are_closed(database, f
     for name, value in zip(names, wanted.outputs()):
         if "excitation" in name or "position" in name:
             assert_near(told[name], value, 1e-6 * (1.0 + abs(value)))
+
+
+def test_radiation_that_does_not_reach_the_waves_is_told(tmp_path):
+    """A database cut at 0.48 rad/s, waves of 0.785 rad/s: told of both files, of neither where they reach."""
+    file = files(tmp_path)
+    sea = {"waves": {"regular": {"height": 1.0, "period": 8.0}}}
+    told = " ".join(compile_scene(afloat(file, sea=sea)).notices)
+    assert "energy is outside" not in told
+
+    lines = (tmp_path / "body.1").read_text().splitlines()
+    kept = [line for line in lines if not 0 < float(line.split()[0]) < 2 * np.pi / 0.5]
+    (tmp_path / "body.1").write_text("\n".join(kept))
+    told = " ".join(compile_scene(afloat(file, sea=sea)).notices)
+    assert "radiation reaches from 0.04 to 0.48 rad/s; 100 % of the sea's energy is outside" in told
+    assert "excitation reaches" not in told
+    quiet = " ".join(compile_scene(afloat(file, outputs=QUIET)).notices)
+    assert "energy is outside" not in quiet and "of its peak at the last frequency" in quiet

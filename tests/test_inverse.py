@@ -331,6 +331,7 @@ def test_a_motion_out_of_reach():
     [
         ("time,q1.angle\n0,0\n1,one\n", r"row 3, column 'q1.angle': needs a number, found 'one'"),
         ("q1.angle\n0\n1\n", 'no column "time"'),
+        ("0,0\n1,1\n", "line 1 is of numbers, '0,0', and would be lost"),
         ("time,q1.angle [gon]\n0,0\n1,1\n", "unknown unit"),
         ("time,q1.angle\n", "at least one of numbers"),
         ("time,q1.angle\n1,0\n1,0\n", "must ascend"),

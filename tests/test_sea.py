@@ -8,6 +8,7 @@ from scipy.integrate import trapezoid
 import mbdfmi
 from mbdfmi.cli import main
 from mbdfmi.compiler.hydrodynamics import sea_components
+from mbdfmi.compiler.model import compile_scene
 from mbdfmi.hydro import spectra
 from mbdfmi.view.told import waves
 
@@ -105,6 +106,9 @@ def test_files_that_are_no_sea_are_told(tmp_path, capsys):
     (tmp_path / "c.csv").write_text("a,b,c,d\n0.5,1,0,0\n0.6,1,x,0\n")
     assert main(["sea", scene(tmp_path, '{ components = { file = "c.csv" } }')]) == 1
     assert "line 3 is no row of numbers" in capsys.readouterr().err
+    (tmp_path / "c.csv").write_text("1,1,0,0\n0.8,1,0,0\n")
+    assert main(["sea", scene(tmp_path, '{ components = { file = "c.csv" } }')]) == 1
+    assert "line 1 is of numbers, '1,1,0,0'" in capsys.readouterr().err.replace("\n", " ")
     (tmp_path / "s.csv").write_text("t,e\n0,1\n1,2\n3,1\n")
     assert main(["sea", scene(tmp_path, '{ series = { file = "s.csv" } }')]) == 1
     assert "evenly spaced" in capsys.readouterr().err
@@ -124,3 +128,45 @@ def test_a_page_is_told_the_waves(tmp_path):
     made.sea.output = []
     made.sea.waves = None
     assert waves(made) is None
+
+
+def noted(folder, waves, sea=""):
+    """What is told of a scene with these waves."""
+    path = scene(folder, waves)
+    text = (folder / "scene.toml").read_text().replace("sea = {", f"sea = {{ {sea}")
+    (folder / "scene.toml").write_text(text)
+    return " ".join(compile_scene(mbdfmi.load(path)).notices)
+
+
+def test_waves_that_break_are_told(tmp_path):
+    """Miche's limit, deep and shallow; a sea by DNV's; what is no steeper is not."""
+    limit = 0.142 * 2 * np.pi * 9.81 / (2 * np.pi / 8) ** 2
+    for factor in (0.98, 1.02):
+        told = noted(tmp_path, f"{{ regular = {{ height = {limit * factor}, period = 8 }} }}")
+        assert ("Miche" in told) == (factor > 1)
+
+    # in 3 m of water 8 s waves are 42.5 m long
+    k = float(spectra.wave_number(np.array([2 * np.pi / 8]), 3.0, 9.81)[0])
+    limit = 0.142 * 2 * np.pi / k * np.tanh(3 * k)
+    for factor in (0.98, 1.02):
+        told = noted(tmp_path, f"{{ regular = {{ height = {limit * factor}, period = 8 }} }}", "depth = 3, ")
+        assert ("Miche" in told) == (factor > 1)
+
+    assert noted(tmp_path, "{ jonswap = { hs = 6, tp = 8 } }") == ""
+    assert "steeper than seas get" in noted(tmp_path, "{ jonswap = { hs = 7, tp = 8 } }")
+    (tmp_path / "c.csv").write_text("omega,amplitude,phase,direction\n0.785,15,0,0\n")
+    assert "Miche" in noted(tmp_path, '{ components = { file = "c.csv" } }')
+
+
+@pytest.mark.parametrize("depth", [3, 5])
+def test_a_hull_that_starts_under_the_bed_is_told(depth):
+    box = {
+        "name": "box",
+        "sea": {"depth": depth},
+        "body": {"hull": {"mass": 8e5, "inertia": [1e7, 3e7, 3e7]}},
+        "joint": {"float": {"free": {}, "between": ["ground", "hull"]}},
+        "force": {"lift": {"hydrostatics": {"box": {"size": [20, 10, 8]}}, "on": "hull"}},
+        "gravity": [0, 0, -9.81],
+    }
+    told = " ".join(compile_scene(mbdfmi.Scene.model_validate(box)).notices)
+    assert ("reaches 4 m down where it starts; the water is 3 m deep" in told) == (depth == 3)

@@ -40,6 +40,13 @@ HYDRODYNAMICS_KINDS = {
 KNOTS = 20
 OUTSIDE = 0.01
 
+# data of a file, and what is taken outside its frequencies
+EXCITATION = ("excitation", "the nearest of its frequencies is taken")
+RADIATION = (
+    "radiation",
+    "damping is taken to fall, with the square of frequency below and its third power above",
+)
+
 # of a memory's peaks, where the scene asks for nothing else
 ERROR = 0.01
 
@@ -85,6 +92,9 @@ def add_hydrodynamics(builder, name, force, ends):
         six_by_six_preload=np.zeros(6),
     )
     rows = [_add_memory(builder, name, ends[0], memory, infinite), -1]
+
+    if sea.waves and memory and not told[2]:
+        _tell_outside(builder, path, sea_components(builder.scene), coefficients.omega, RADIATION)
 
     if spec.excitation and sea.waves:
         rows[1] = _add_excitation(builder, name, force, ends[0], coefficients)
@@ -193,7 +203,7 @@ def _add_excitation(builder, name, force, marker, coefficients):
     except ValueError as error:
         raise SceneError([Problem(path, str(error))]) from None
 
-    _tell_outside(builder, path, waves, coefficients.wave_omega)
+    _tell_outside(builder, path, waves, coefficients.wave_omega, EXCITATION)
     parts = unit * (waves.amplitude * np.exp(1j * (waves.phase - way)))[:, None]
     along = number[:, None] * np.column_stack([np.cos(waves.heading), np.sin(waves.heading)])
     builder.wave_places.append((marker, place[:2], along))
@@ -231,15 +241,15 @@ def meet_waves(builder, model):
         parts[:, 0], parts[:, 1] = turned.real, turned.imag
 
 
-def _tell_outside(builder, path, waves, known):
-    """A notice of a sea that goes beyond a file's frequencies."""
+def _tell_outside(builder, path, waves, known, what):
+    """A notice of a sea that goes beyond a file's frequencies; what : (what has these, what is taken outside)."""
     energy = waves.amplitude**2
     outside = energy[(waves.omega < known[0]) | (waves.omega > known[-1])].sum() / energy.sum()
 
     if outside > OUTSIDE:
         text = (
-            f"reaches from {known[0]:.4g} to {known[-1]:.4g} rad/s; {100 * outside:.3g} % of the sea's energy is outside, where the "
-            "nearest of its frequencies is taken"
+            f"{what[0]} reaches from {known[0]:.4g} to {known[-1]:.4g} rad/s; {100 * outside:.3g} % of the sea's energy is outside, "
+            f"where {what[1]}"
         )
         builder.notice(path, text)
 

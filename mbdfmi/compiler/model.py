@@ -40,6 +40,7 @@ from .light_parts import tell_light_parts
 from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .planes import planar_starts
 from .reactions import add_reactions
+from .sea_limits import tell_steep_waves
 from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
 from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable, reference_table
@@ -196,6 +197,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
 
     add_forces(builder)
     add_sea(builder)
+    tell_steep_waves(builder)
     add_constraints(builder)
     tell_light_parts(builder)
     add_reactions(builder)

@@ -9,6 +9,7 @@ from ..vectors import dot, norm
 from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
+from .sea_limits import tell_hull_aground
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -33,7 +34,10 @@ def add_hydrostatics(builder, name, force, ends):
     points, polygons = hull_of(force.hydrostatics)
     first, first_polygon = tables["n_hull_vertex"].length, tables["n_polygon"].length
 
-    for r in position + dot(np.asarray(points), A.T):
+    corners = position + dot(np.asarray(points), A.T)
+    tell_hull_aground(builder, name, force.on, corners)
+
+    for r in corners:
         tables["n_hull_vertex"].add(vertex_r=r)
 
     for polygon in polygons:

@@ -11,6 +11,10 @@ DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 UNSYMMETRIC = 0.02
 NEGATIVE = 0.01
 
+# of its peak: damping at the last frequency that is told; of what added mass makes there: damping that counts
+ENDS = 0.5
+COUNTS = 0.01
+
 
 @dataclass(frozen=True)
 class Coefficients:
@@ -59,9 +63,23 @@ class Coefficients:
                 f"the damping in {dof} is {100 * least[k]:.2g} % of its peak at {self.omega[k]:.4g} rad/s"
             )
 
+        notes += self._cut_short(damping)
         added = (self.added + self.added.transpose(0, 2, 1)) / 2
         infinite = None if self.infinite is None else (self.infinite + self.infinite.T) / 2
         return replace(self, added=added, damping=damping, infinite=infinite), notes
+
+    def _cut_short(self, damping):
+        """Notes of motions whose damping has not begun to die out where the frequencies end."""
+        of_motion = damping.diagonal(axis1=1, axis2=2)
+        peak = of_motion.max(axis=0)
+        counts = COUNTS * np.abs(self.omega[:, None] * self.added.diagonal(axis1=1, axis2=2)).max(axis=0)
+        last = of_motion[-1]
+
+        return [
+            f"the damping in {DOFS[k]} is {100 * last[k] / peak[k]:.3g} % of its peak at the last frequency, "
+            f"{self.omega[-1]:.4g} rad/s; beyond, it is taken to fall with the third power of frequency"
+            for k in np.flatnonzero((peak > counts) & (last > ENDS * peak))
+        ]
 
     def exciting(self, omega, heading) -> np.ndarray:
         """(n, 6) complex at frequencies (n,) and headings (n,) in rad, splined between those of the file.

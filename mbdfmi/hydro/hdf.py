@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from .database import DOFS, Coefficients
+from .gaps import alive, check_headings, check_whole, pair
 
 
 def read_hdf(path, density, gravity) -> Coefficients:
@@ -102,18 +103,37 @@ def _capytaine(path, file):
         # other axes have one value, as water depth
         others = [k for k in range(values.ndim) if k not in wanted]
         values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
-        full = np.zeros((len(omega), 6, 6))
+        full = np.full((len(omega), 6, 6), np.nan)
         full[np.ix_(range(len(omega)), influenced, radiating)] = values
         return full
 
-    added, damping = matrices("added_mass"), matrices("radiation_damping")
-    known = np.isfinite(added).all(axis=(1, 2)) & np.isfinite(damping).all(axis=(1, 2))
-    good = np.flatnonzero(known & np.isfinite(omega) & (omega > 0))
-    good = good[np.argsort(omega[good])]
+    good, added, damping = _radiating(path, omega, matrices("added_mass"), matrices("radiation_damping"))
 
     # never A at omega = inf, which depends on the mesh: the memory finds it
     rest = _capytaine_forces(path, file, omega, influenced)
-    return Coefficients(omega[good], added[good], damping[good], None, *rest)
+    return Coefficients(omega[good], added, damping, None, *rest)
+
+
+def _radiating(path, omega, added, damping):
+    """(indices of the frequencies that are there, added mass, damping at these): what is nowhere is zero."""
+    known = np.isfinite(added) & np.isfinite(damping)
+    good = alive(omega, known)
+    known = known[good]
+    check_whole(path, omega[good], known, pair)
+    return good, np.where(known, added[good], 0.0), np.where(known, damping[good], 0.0)
+
+
+def _exciting(path, omega, headings, force):
+    """(omega, headings in rad, excitation), ascending, as `_radiating`; None each where all failed."""
+    turn, known = np.argsort(headings), np.isfinite(force)
+    good = alive(omega, known)
+
+    if not len(good):
+        return None, None, None
+
+    known, force = known[good][:, turn], force[good][:, turn]
+    check_headings(path, omega[good], np.degrees(headings[turn]), known)
+    return omega[good], headings[turn], np.where(known, force, 0.0)
 
 
 def _capytaine_forces(path, file, omega, influenced):
@@ -126,7 +146,8 @@ def _capytaine_forces(path, file, omega, influenced):
         return None, None, None
 
     headings = np.array(file["wave_direction"][1], float)
-    total = np.zeros((len(omega), len(headings), 6), complex)
+    total = np.full((len(omega), len(headings), 6), np.nan, complex)
+    total[:, :, influenced] = 0.0
 
     for name in names:
         order, values = file[name]
@@ -135,9 +156,7 @@ def _capytaine_forces(path, file, omega, influenced):
         values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
         total[:, :, influenced] += values[0] - 1j * values[1]
 
-    good = np.flatnonzero(np.isfinite(total).all(axis=(1, 2)) & np.isfinite(omega) & (omega > 0))
-    good, turn = good[np.argsort(omega[good])], np.argsort(headings)
-    return omega[good], headings[turn], total[good][:, turn]
+    return _exciting(path, omega, headings, total)
 
 
 # BEMIO
@@ -152,10 +171,15 @@ def _bemio(path, file, density, gravity):
 
     settings, found = file["simulation_parameters"], file[bodies[0]]["hydro_coeffs"]
     omega = np.ravel(settings["w"])
-    order = np.argsort(omega)
     added = density * np.moveaxis(np.array(found["added_mass/all"], float), -1, 0)
     damping = density * np.moveaxis(np.array(found["radiation_damping/all"], float), -1, 0)
-    damping = damping * omega[:, None, None]
+
+    if not added.shape == damping.shape == (len(omega), 6, 6):
+        raise ValueError(
+            f"{path}: has {len(omega)} frequencies; added mass and damping are {added.shape}, {damping.shape}"
+        )
+
+    good, added, damping = _radiating(path, omega, added, damping * omega[:, None, None])
     infinite = None
 
     if "inf_freq" in found["added_mass"]:
@@ -163,8 +187,5 @@ def _bemio(path, file, density, gravity):
 
     force = np.array(found["excitation/re"], float) + 1j * np.array(found["excitation/im"], float)
     headings = np.radians(np.ravel(settings["wave_dir"]))
-    turn = np.argsort(headings)
-    force = density * gravity * np.moveaxis(force, (2, 1, 0), (0, 1, 2))[order][:, turn]
-    return Coefficients(
-        omega[order], added[order], damping[order], infinite, omega[order], headings[turn], force
-    )
+    force = density * gravity * np.moveaxis(force, (2, 1, 0), (0, 1, 2))
+    return Coefficients(omega[good], added, damping, infinite, *_exciting(path, omega, headings, force))

@@ -20,6 +20,9 @@ FINE = 4000
 BEYOND = 4.0
 DEAD = 2e-4
 
+# of a step: closer to a frequency of the integrals than this one is taken to be the same
+MEETS = 1e-6
+
 # how far passivity is looked for, by the highest frequency, and how far below 0 it may be (of the peak)
 FAR = 60.0
 PASSIVE = 1e-6
@@ -94,12 +97,16 @@ class Kernel:
         found = np.empty((len(omega), 6, 6))
         spline = scipy.interpolate.CubicSpline(self.omega, self.B)
         middles = (self.omega[1:] + self.omega[:-1]) / 2
+        slope = spline.derivative()
         B = spline(middles)
         end = self.omega[-1]
 
         for k, w in enumerate(omega):
             here = spline(w)
-            body = np.tensordot(self.step / (middles**2 - w * w), B - here, 1)
+            # at w itself the quotient is B' / (2 w)
+            at = np.abs(middles - w) < MEETS * self.step
+            body = np.tensordot(self.step / np.where(at, np.inf, middles**2 - w * w), B - here, 1)
+            body += at.sum() * self.step * slope(w) / (2 * w)
             # the principal value of 1 / (u^2 - w^2) up to the end, and the tail of B beyond it
             body += here * np.log(abs((end - w) / (end + w))) / (2 * w)
             found[k] = 2 / np.pi * (body + self.B[-1] / (4 * end))

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from .database import Coefficients
+from .gaps import check_whole
 
 
 def read_nemoh(path) -> Coefficients:
@@ -16,12 +17,24 @@ def read_nemoh(path) -> Coefficients:
     if len(zones) != 6:
         raise ValueError(f"{path}: has {len(zones)} zones, one for each motion of one body are 6")
 
-    omega = zones[0][1][:, 0]
+    omega = _frequencies(path, zones)
     values = np.array([rows[:, 1:] for _, rows in zones])
     added, damping = values[:, :, ::2].transpose(1, 0, 2), values[:, :, 1::2].transpose(1, 0, 2)
     beside = path.with_name("ExcitationForce.tec")
     rest = _excitation(beside) if beside.is_file() else (None, None, None)
     return Coefficients(omega, added, damping, None, *rest)
+
+
+def _frequencies(path, zones):
+    """(n,) rad/s, those of every zone. Raises ValueError that names the zone which has not all of them."""
+    omega = np.unique(np.concatenate([rows[:, 0] for _, rows in zones]))
+    known = np.array([np.isin(omega, rows[:, 0]) for _, rows in zones]).T
+    check_whole(path, omega, known, lambda k: f"zone {zones[k][0].strip()[:60]!r}")
+
+    if any(len(rows) != len(omega) or (rows[:, 0] != omega).any() for _, rows in zones):
+        raise ValueError(f"{path}: has zones whose frequencies do not ascend")
+
+    return omega
 
 
 def _zones(path, width):
@@ -47,6 +60,8 @@ def _zones(path, width):
                 ) from None
             if len(row) != width:
                 raise ValueError(f"{path}: line {number} has {len(row)} numbers, not {width} as of one body")
+            if not np.isfinite(row).all():
+                raise ValueError(f"{path}: line {number} has what is no finite number: {line.strip()[:60]!r}")
             rows.append(row)
 
     if rows:
@@ -56,14 +71,19 @@ def _zones(path, width):
 def _excitation(path):
     """(omega, headings, excitation): amplitudes and phases of exp(-i omega t), in rad or in degrees."""
     headings, forces = [], []
+    zones = list(_zones(path, 13))
 
-    for title, rows in _zones(path, 13):
+    if not zones:
+        raise ValueError(f"{path}: has no zones")
+
+    omega = _frequencies(path, zones)
+
+    for title, rows in zones:
         found = re.search(r"beta\s*=\s*([-+.\deE]+)", title)
         if not found:
             raise ValueError(f"{path}: a zone names no heading beta: {title[:60]!r}")
         headings.append(np.radians(float(found[1])))
         forces.append((rows[:, 1::2], rows[:, 2::2]))
-        omega = rows[:, 0]
 
     phases = np.array([phase for _, phase in forces])
     phases = np.radians(phases) if np.abs(phases).max() > 2 * np.pi + 0.1 else phases

@@ -12,13 +12,33 @@ from .wamit import read_wamit
 
 ENDINGS = {".1": "WAMIT", ".nc": "capytaine", ".h5": "BEMIO", ".tec": "NEMOH"}
 
+# frequencies of a body
+LEAST = 4
+
 
 def read_coefficients(path, density, gravity, scale=1.0) -> Coefficients:
     """Of a file of any of ENDINGS. Raises ValueError that names it."""
-    ending = Path(path).suffix.lower()
-
     if not Path(path).is_file():
         raise ValueError(f"{path}: No such file")
+
+    found = _read(path, density, gravity, scale)
+
+    if len(found.omega) < LEAST:
+        raise ValueError(
+            f"{path}: has {len(found.omega)} frequencies; a memory of waves needs {LEAST} or more"
+        )
+    if found.wave_omega is not None and len(found.wave_omega) < 2:
+        raise ValueError(f"{path}: has excitation at {len(found.wave_omega)} frequency; it needs 2 or more")
+    if not (np.diff(found.omega) > 0).all():
+        raise ValueError(f"{path}: has a frequency twice")
+
+    return found
+
+
+def _read(path, density, gravity, scale):
+    """Coefficients, by the file's ending."""
+    ending = Path(path).suffix.lower()
+
     if ending == ".1":
         return read_wamit(path, density, gravity, scale)
     if ending in (".nc", ".h5", ".hdf5"):

@@ -1,12 +1,14 @@
 """WAMIT's files: NAME.1 (added mass and damping), NAME.3 (excitation); either may be gzipped."""
 
 import gzip
+import zlib
 from pathlib import Path
 
 import numpy as np
 
 from ..files import replacing
 from .database import Coefficients
+from .gaps import check_headings, check_whole, pair
 
 
 def read_wamit(path, density, gravity, scale=1.0) -> Coefficients:
@@ -22,11 +24,9 @@ def read_wamit(path, density, gravity, scale=1.0) -> Coefficients:
 
 
 def _rows(path, widths):
-    """[numbers] of the lines of a file that have one of these numbers of columns; heads are passed over."""
-    opened = gzip.open if path.suffix == ".gz" else open
-
-    with opened(path, "rt", encoding="utf-8", errors="replace") as file:
-        for number, line in enumerate(file, 1):
+    """(number, [numbers]) of the lines of a file that have one of these numbers of columns; not of heads."""
+    for number, line in _lines(path):
+        if line.strip():
             try:
                 row = [float(word) for word in line.split()]
             except ValueError:
@@ -36,12 +36,25 @@ def _rows(path, widths):
                     f"{path}: line {number} is no row of numbers: {line.strip()[:60]!r}"
                 ) from None
 
-            if row and len(row) not in widths:
+            if len(row) not in widths:
                 raise ValueError(
                     f"{path}: line {number} has {len(row)} numbers; needs {' or '.join(map(str, widths))}"
                 )
-            if row:
-                yield number, row
+            if not np.isfinite(row).all():
+                raise ValueError(f"{path}: line {number} has what is no finite number: {line.strip()[:60]!r}")
+
+            yield number, row
+
+
+def _lines(path):
+    """(number, line) of a file, of a gzipped one what is in it. Raises ValueError where that is cut short."""
+    opened = gzip.open if path.suffix == ".gz" else open
+
+    try:
+        with opened(path, "rt", encoding="utf-8", errors="replace") as file:
+            yield from enumerate(file, 1)
+    except (EOFError, zlib.error) as error:
+        raise ValueError(f"{path}: cannot be unpacked: {error}") from None
 
 
 def _dof(path, number, value):
@@ -56,6 +69,7 @@ def _dof(path, number, value):
 def _radiation(path, density, scale):
     """(omega, added, damping, infinite) in SI."""
     found, infinite = {}, np.full((6, 6), np.nan)
+    nothing = np.full((6, 6), np.nan)
 
     for number, (period, i, j, *values) in _rows(path, (4, 5)):
         i, j = _dof(path, number, i), _dof(path, number, j)
@@ -66,17 +80,27 @@ def _radiation(path, density, scale):
             infinite[i, j] = length * values[0]
         elif period > 0.0:
             omega = 2 * np.pi / period
-            A, B = found.setdefault(omega, (np.zeros((6, 6)), np.zeros((6, 6))))
-            A[i, j] = length * values[0]
-            B[i, j] = length * omega * values[1] if len(values) > 1 else 0.0
-
-    if len(found) < 4:
-        raise ValueError(f"{path}: has {len(found)} frequencies; a memory of waves needs more")
+            A, B = found.setdefault(omega, (nothing.copy(), nothing.copy()))
+            if len(values) < 2:
+                raise ValueError(f"{path}: line {number} has no damping, at a period of {period:g} s")
+            if np.isfinite(A[i, j]):
+                raise ValueError(
+                    f"{path}: line {number} gives {pair(i, j)} at a period of {period:g} s again"
+                )
+            A[i, j], B[i, j] = length * values[0], length * omega * values[1]
 
     omega = np.array(sorted(found))
-    added, damping = (np.array([found[w][k] for w in omega]) for k in (0, 1))
-    known = np.isfinite(infinite).any()
-    return omega, added, damping, np.nan_to_num(infinite) if known else None
+    added, damping = (np.array([found[w][k] for w in omega]).reshape(-1, 6, 6) for k in (0, 1))
+    given, at_infinity = np.isfinite(added), np.isfinite(infinite)
+
+    if not at_infinity.any():
+        check_whole(path, omega, given, pair)
+        return omega, np.nan_to_num(added), np.nan_to_num(damping), None
+
+    # zeros at infinity may be of pairs that stand nowhere else
+    at_infinity &= (infinite != 0.0) | given.any(axis=0)
+    check_whole(path, np.append(omega, np.inf), np.concatenate([given, at_infinity[None]]), pair)
+    return omega, np.nan_to_num(added), np.nan_to_num(damping), np.nan_to_num(infinite)
 
 
 def _excitation(path, density, gravity, scale):
@@ -87,14 +111,25 @@ def _excitation(path, density, gravity, scale):
         i = _dof(path, number, i)
         if period > 0.0:
             value = density * gravity * scale ** (2 + (i > 2)) * complex(re, im)
-            found[2 * np.pi / period, heading, i] = value
+            key = 2 * np.pi / period, heading, i
+            if key in found:
+                raise ValueError(f"{path}: line {number} is about what another one told")
+            found[key] = value
 
     omega = np.array(sorted({key[0] for key in found}))
+
+    if not found:
+        raise ValueError(f"{path}: has no frequencies")
+
     degrees = sorted({key[1] for key in found})
     excitation = np.zeros((len(omega), len(degrees), 6), complex)
+    known = np.zeros(excitation.shape, bool)
 
     for (w, heading, i), value in found.items():
-        excitation[np.searchsorted(omega, w), degrees.index(heading), i] = value
+        at = np.searchsorted(omega, w), degrees.index(heading), i
+        excitation[at], known[at] = value, True
+
+    check_headings(path, omega, degrees, known)
 
     # -180 and 180 are one
     if degrees[-1] - degrees[0] == 360.0:
@@ -107,18 +142,21 @@ def write_wamit(path, coefficients, density, gravity):
     """NAME.1, and NAME.3 beside it where there is excitation, with 8 digits; lengths by 1 m."""
     path = Path(path)
     lines = []
+    given = (coefficients.added != 0.0).any(axis=0) | (coefficients.damping != 0.0).any(axis=0)
 
     if coefficients.infinite is not None:
+        given |= coefficients.infinite != 0.0
         lines += [
             f"{0.0:15.8E} {i + 1} {j + 1} {coefficients.infinite[i, j] / density:15.8E}"
             for i, j in np.ndindex(6, 6)
+            if given[i, j]
         ]
 
     for omega, A, B in zip(coefficients.omega, coefficients.added / density, coefficients.damping / density):
         lines += [
             f"{2 * np.pi / omega:15.8E} {i + 1} {j + 1} {A[i, j]:15.8E} {B[i, j] / omega:15.8E}"
             for i, j in np.ndindex(6, 6)
-            if A[i, j] or B[i, j]
+            if given[i, j]
         ]
 
     _write(path, lines)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..compiler.variables import array_of, hint, meant
-from ..files import check_ending, replacing
+from ..files import check_ending, csv_table, replacing
 from ..rotations import Rotation
 from ..scene import variable_name
 from ..scene.errors import listed
@@ -103,15 +103,14 @@ class Results(Mapping):
 
         Raises ValueError with the file's name, row and column.
         """
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in csv.reader(file) if any(cell.strip() for cell in line)]
+        names, rows = csv_table(path)
 
-        if len(lines) < 2:
+        if not rows:
             raise ValueError(f"{path}: needs a row of names and at least one of numbers")
 
         columns, units = {}, {}
 
-        for k, heading in enumerate(lines[0]):
+        for k, heading in enumerate(names):
             name, _, unit = heading.strip().partition(" [")
             unit, factor = _unit(unit.removesuffix("]"))
 
@@ -121,7 +120,7 @@ class Results(Mapping):
             if name in columns:
                 raise ValueError(f"{path}: two columns are called {name!r}")
 
-            cells = [_cell(path, line, row, k, name) for row, line in enumerate(lines[1:], 2)]
+            cells = [_cell(path, line, row, k, name) for row, line in rows]
             columns[name] = np.array(cells) / factor
             units[name] = unit
 

@@ -1,11 +1,11 @@
 """The sea: its water, its waves; and bodies that linear potential theory knows."""
 
-from pathlib import Path
 from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
+from ..files import csv_table
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, MEMBER_OUTPUTS, SEA_OUTPUTS
 from .ends import Between, End
 from .errors import show
@@ -93,7 +93,7 @@ class WaveComponents(Part):
 
 
 class Waves(Part):
-    """The waves of a sea, long before the bodies are there.
+    """The waves of a sea, long before the bodies are there. `mbdfmi sea SCENE` tells their heights and periods, and writes them.
 
     direction_deg : the way they travel, from x towards y; not of components.
     """
@@ -159,7 +159,12 @@ class HydrodynamicsOptions(Part):
     """Coefficients over frequency from a file.
 
     file : WAMIT's NAME.1, with NAME.3 beside it (also NAME.3.gz); a dataset of capytaine (.nc) or a file of BEMIO (.h5), which want
-        pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. Of one body.
+        pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. Of one body, at 4 frequencies or more; an
+        element or a motion is given at all of them, or, as zero, at none. WAMIT's files begin with the period in s. Its lines of period 0
+        (infinite frequency) in NAME.1 are read and not needed: without them added mass there follows from the rest. Those of period -1
+        (frequency 0) are passed over. Of NAME.3 the real and imaginary parts count: force is Re((re + i im) amplitude exp(+i omega t)) for
+        an elevation amplitude cos(omega t) at the origin of the coefficients, as WAMIT has it: a positive phase leads. Headings are the way
+        waves travel.
     scale : m, the length that WAMIT's numbers are non-dimensional by (ULEN).
     radiation : how the memory of waves made is fitted, or false: none, added mass at infinite frequency alone.
     excitation : whether the sea's waves act.
@@ -228,20 +233,20 @@ class Member(Part):
 def csv_columns(file, count):
     """(n, count) numbers of a CSV file with a line of names. Raises ValueError that names file and line."""
     try:
-        lines = Path(file.path).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeError) as error:
-        raise ValueError(f"{file.path}: {getattr(error, 'strerror', None) or error}") from None
+        _, lines = csv_table(file.path)
+    except OSError as error:
+        raise ValueError(f"{file.path}: {error.strerror or error}") from None
 
     rows = []
-    for at, line in enumerate(lines[1:], 2):
-        if line.strip():
-            try:
-                row = [float(word) for word in line.replace(";", ",").split(",")]
-            except ValueError:
-                raise ValueError(f"{file.path}: line {at} is no row of numbers: {line[:60]!r}") from None
-            if len(row) != count or not np.isfinite(row).all():
-                raise ValueError(f"{file.path}: line {at} needs {count} finite numbers, found {line[:60]!r}")
-            rows.append(row)
+    for at, cells in lines:
+        line = ",".join(cells)
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            raise ValueError(f"{file.path}: line {at} is no row of numbers: {line[:60]!r}") from None
+        if len(row) != count or not np.isfinite(row).all():
+            raise ValueError(f"{file.path}: line {at} needs {count} finite numbers, found {line[:60]!r}")
+        rows.append(row)
 
     if len(rows) < 1 + (count == 2):
         raise ValueError(f"{file.path}: holds too few rows")
