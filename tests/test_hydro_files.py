@@ -203,7 +203,6 @@ def test_a_gap_in_wamits_files_is_refused_and_a_mode_that_is_nowhere_is_not(tmp_
     [
         ("2.0 3 3 1.0", "line 2 has no damping, at a period of 2 s"),
         ("2.0 3 3 1.0 nan", "line 2 has what is no finite number"),
-        ("1.0 3 3 1.0 2.0", r"line 2 gives .*modes 3, 3 \(heave, heave\) at a period of 1 s again"),
     ],
 )
 def test_lines_of_wamits_files_that_cannot_be_kept_are_told(tmp_path, line, words):

@@ -12,7 +12,7 @@ UNSYMMETRIC = 0.02
 NEGATIVE = 0.01
 
 # of its peak: damping at the last frequency that is told; of what added mass makes there: damping that counts
-ENDS = 0.5
+ENDS = 0.9
 COUNTS = 0.01
 
 

@@ -83,10 +83,6 @@ def _radiation(path, density, scale):
             A, B = found.setdefault(omega, (nothing.copy(), nothing.copy()))
             if len(values) < 2:
                 raise ValueError(f"{path}: line {number} has no damping, at a period of {period:g} s")
-            if np.isfinite(A[i, j]):
-                raise ValueError(
-                    f"{path}: line {number} gives {pair(i, j)} at a period of {period:g} s again"
-                )
             A[i, j], B[i, j] = length * values[0], length * omega * values[1]
 
     omega = np.array(sorted(found))
@@ -111,10 +107,7 @@ def _excitation(path, density, gravity, scale):
         i = _dof(path, number, i)
         if period > 0.0:
             value = density * gravity * scale ** (2 + (i > 2)) * complex(re, im)
-            key = 2 * np.pi / period, heading, i
-            if key in found:
-                raise ValueError(f"{path}: line {number} is about what another one told")
-            found[key] = value
+            found[2 * np.pi / period, heading, i] = value
 
     omega = np.array(sorted({key[0] for key in found}))
 
