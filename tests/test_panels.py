@@ -81,7 +81,9 @@ def test_haskind_ties_damping_to_the_loads_of_waves(hemisphere):
     X = np.abs(found.excitation[:, 0, 2])
     assert_near(found.omega**3 / (2 * RHO * G**3) * X**2 / found.damping[:, 2, 2], 1.0, 0.03)
     checked, notes = found.checked()
-    assert notes == [] and checked.excitation.shape == (4, 2, 6)
+    # four frequencies end before damping dies out
+    assert all("at the last frequency" in note for note in notes)
+    assert checked.excitation.shape == (4, 2, 6)
 
 
 def test_what_was_solved_is_kept(hemisphere, monkeypatch):
