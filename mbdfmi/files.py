@@ -165,7 +165,7 @@ def csv_table(path):
 
     (number, names), *rows = lines
 
-    if all(_is_number(name) for name in names if name.strip()):
+    if _is_number(names[0]):
         raise ValueError(
             f"{path}: line {number} is of numbers, {first.strip()[:60]!r}, and would be lost: write a "
             "line of names above it"

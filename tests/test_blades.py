@@ -110,6 +110,8 @@ def test_the_command_writes_what_scenes_read(tmp_path, capsys):
         ("blade.csv", "r,c,t,p\n10,2,5,foil\n5,2,1,foil\n30,1,0,foil\n", "radii ascend"),
         ("foil.csv", "a,l,d\n0,0.1,0.1\n-3,0.1,0.1\n", "angles of attack, ascending"),
         ("foil.csv", "a,l,d\n0,0.1\n", "line 2 needs 3 columns, found 2"),
+        ("blade.csv", "2,3,10,foil\n30,2,5,foil\n60,1,0,foil\n", "line 1 is of numbers"),
+        ("foil.csv", "-180,0,0.01\n0,0.5,0.01\n180,0,0.01\n", "line 1 is of numbers"),
     ],
 )
 def test_files_that_are_no_blade_are_told(tmp_path, capsys, name, text, words):

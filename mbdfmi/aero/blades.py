@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import csv_table
+
 SMALL = 1e-6
 HALVINGS = 60
 
@@ -222,20 +224,17 @@ def read_blade(path, polars, tip=None, hub=None, blades=3) -> Rotor:
 def _rows(path, width):
     """[(line, words)] of a CSV file with a line of names."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeError) as error:
-        raise ValueError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+        _, lines = csv_table(path)
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror or error}") from None
 
     rows = []
 
-    for at, line in enumerate(lines[1:], 2):
-        if line.strip():
-            words = [word.strip() for word in line.replace(";", ",").split(",")]
-            if len(words) != width:
-                raise ValueError(
-                    f"{path}: line {at} needs {width} columns, found {len(words)}: {line.strip()[:60]!r}"
-                )
-            rows.append((at, words))
+    for at, cells in lines:
+        if len(cells) != width:
+            found = ",".join(cells)[:60]
+            raise ValueError(f"{path}: line {at} needs {width} columns, found {len(cells)}: {found!r}")
+        rows.append((at, [cell.strip() for cell in cells]))
 
     return rows
 
