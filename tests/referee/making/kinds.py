@@ -385,7 +385,7 @@ def _frame_on_curve(dice, size, shape=None):
     flat = points is None or np.ptp([[*p, 0.0][2] for p in points]) < 1e-9
     side = [dice.number(-0.3, 0.3), dice.number(-0.3, 0.3), 1.0] if not flat or dice.chance(0.4) else None
     options = {} if side is None else {"side": side}
-    if flat and side is None and dice.chance(0.6):
+    if flat and side is None and dice.chance(0.85):
         options["side"] = "z"
 
     def frame(s):

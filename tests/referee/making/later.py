@@ -19,8 +19,8 @@ def add(seed, mechanism, forces, gravity):
     if dice.chance(0.25):
         _twist(dice, mechanism, forces)
 
-    if "central_gravity" in gravity and dice.chance(0.9):
-        gravity["central_gravity"]["gradient"] = dice.chance(0.6)
+    if "central_gravity" in gravity and dice.chance(0.95):
+        gravity["central_gravity"]["gradient"] = dice.chance(0.5)
 
     if gravity.get("gravity", [0, 0, -9.81])[:2] == [0, 0] and gravity.get("gravity", [0, 0, -9.81])[2] < 0:
         water.fill(Dice(seed, 7), mechanism, forces, gravity)
@@ -39,7 +39,7 @@ def add(seed, mechanism, forces, gravity):
     dice = Dice(seed, 9)
     for joint in mechanism.joints:
         options = joint.table.get(joint.kind)
-        if joint.kind.startswith("frame_on") and "spin" not in options and dice.chance(0.6):
+        if joint.kind.startswith("frame_on") and "spin" not in options and dice.chance(0.9):
             options["spin"] = "held"
 
     looks.add_solid(Dice(seed, 3), mechanism)
@@ -62,7 +62,7 @@ def trim(seed, data) -> dict:
     names = [f"{name}.position" for name in joints[: dice.whole(1, 3)]]
     rest = dice.chance(0.3)
     found = {"find": dice.pick([names, dict.fromkeys(names, dice.number(0.1, 1.0))])}
-    found |= {"rest": True} if rest else {"steady": dice.pick([True, joints[:1]])}
+    found |= {"rest": True} if rest else {"rest": False, "steady": dice.pick([True, joints[:1]])}
     return {"trim": found | ({"keep": {f"{joints[-1]}.speed": 0.0}} if rest or dice.chance(0.5) else {})}
 
 

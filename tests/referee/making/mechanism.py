@@ -400,7 +400,7 @@ class Mechanism:
         pair = first.kind, second.kind
         options = {
             ("revolute", "revolute"): ["gear", "linear"],
-            ("revolute", "prismatic"): ["rack", "screw", "rack", "screw", "linear"],
+            ("revolute", "prismatic"): ["rack", "screw", "screw", "rack", "screw"],
         }
         return self.dice.pick(options.get(pair, ["linear"]))
 

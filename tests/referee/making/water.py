@@ -114,7 +114,7 @@ def _waves(dice):
 
     if kind == "regular":
         options = {"height": dice.number(0.05, 0.4), "period": dice.number(1.0, 5.0)}
-        options |= {"phase_deg": dice.number(-180, 180)} if dice.chance(0.6) else {}
+        options |= {"phase_deg": dice.number(-180, 180)} if dice.chance(0.85) else {}
     elif kind in ("jonswap", "pierson_moskowitz"):
         options = {"hs": dice.number(0.05, 0.4), "tp": dice.number(1.5, 4.0)}
         options["components"] = float(dice.whole(1, 40))
