@@ -332,3 +332,31 @@ def test_another_machine_is_told(folder, tmp_path):
             new.writestr(item, old.read(item.orig_filename))
     with pytest.raises(CouplingError, match="has no library for this machine .*; it has those for beos64"):
         System(fmu={"a": {"file": path}}).simulate(0.1, 0.01)
+
+
+def test_what_is_no_system_is_told(folder):
+    with pytest.raises(
+        CouplingError, match=r'is an FMU; name it in a system file \(TOML\): \[fmu.NAME\] file = "types.fmu"'
+    ):
+        load_system(folder / "types.fmu")
+    with pytest.raises(CouplingError, match="is a folder; name a file in it"):
+        load_system(folder)
+
+
+def test_bonds_that_cannot_be_watched_are_told():
+    """A sum of sources carries no power that can be told from one of them."""
+    tables = {
+        "fmu": {"a": {"scene": turntable()}, "b": {"scene": turntable()}},
+        "link": [
+            {
+                "source": ["a.pivot.speed", "b.pivot.angle"],
+                "factor": -2.0,
+                "target": "b.pivot.torque",
+                "units": False,
+            }
+        ],
+    }
+    assert "power is watched at no link" in System(**tables).check()
+    bond = {"shaft": {"effort": "a.pivot.speed", "flow": "b.pivot.speed"}}
+    with pytest.raises(CouplingError, match=r"\[bond.shaft\] effort: .* no link has a.pivot.speed alone"):
+        System(**tables, bond=bond).simulate(0.1, 0.01)

@@ -147,6 +147,10 @@ def load_system(path: str | os.PathLike) -> System:
     path = Path(path)
     if path.suffix.lower() == ".ssp":
         return _of_package(path)
+    if path.suffix.lower() == ".fmu":
+        raise CouplingError(
+            f'{path}: is an FMU; name it in a system file (TOML): [fmu.NAME] file = "{path.name}"'
+        )
     try:
         system = parse_scene(read_bytes(path), os.fspath(path), System)
     except SceneError as error:

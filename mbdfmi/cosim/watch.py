@@ -175,7 +175,9 @@ def _given(name, bond, members: dict[str, Member], single):
             raise CouplingError(f"[bond.{name}] {key}: {error}") from error
         fits = [f for f in single if f.terms[0].giver == member.name and f.terms[0].output is signals[0]]
         if not fits:
-            raise CouplingError(f"[bond.{name}] {key}: {text} is the one source of no link")
+            raise CouplingError(
+                f"[bond.{name}] {key}: a bond is watched where a link has one source, and no link has {text} alone"
+            )
         feeds.append(fits)
 
     for effort in feeds[0]:

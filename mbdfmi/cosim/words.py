@@ -101,7 +101,7 @@ def _loops(title, net, at_start):
 def _bonds(net, data):
     found = bonds(net, data.bond)
     if not found:
-        return ""
+        return "power is watched at no link: no force and velocity of one place go one each way, by links of one source each"
     return "\n".join(["power is watched at", *(f"  {b.effort.text}  and  {b.flow.text}" for b in found)])
 
 

@@ -26,7 +26,7 @@ def read_bytes(path):
     except FileNotFoundError:
         text = "there is no such file"
     except IsADirectoryError:
-        text = "is a folder; name a scene file in it"
+        text = "is a folder; name a file in it"
     except (OSError, ValueError) as error:
         text = f"cannot be read: {getattr(error, 'strerror', None) or error}"
 
