@@ -20,6 +20,12 @@ H, STOP = 0.01, 2.0
 LINKS = [("left.rail.position", "right.rail.force"), ("right.rail.speed", "left.rail.force")]
 
 
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path, monkeypatch):
+    """These tools leave the process in a folder of theirs."""
+    monkeypatch.chdir(tmp_path)
+
+
 def exported(folder, fmi):
     """Files of two blocks on springs."""
     found = {}

@@ -302,7 +302,7 @@ TABLES = {
     "[fmu.a]\nfile = 'a.fmu'\n[[link]]\nsource = 'a.x'": "link[1].target: is missing",
     "[fmu.a]\nfile = 'a.fmu'\n[run]\nstep = 0": "[run] step: must be greater than 0",
     "[fmu.a]\nfile = 'a.fmu'\n[fmu.a]": "not valid TOML",
-    "[fmu.a]\nfile = 'none.fmu'": "a: no FMU for co-simulation in",
+    "[fmu.a]\nfile = 'none.fmu'": "a: there is no file",
 }
 
 

