@@ -170,6 +170,7 @@ MARKER_OUTPUTS = table(
     Quantity("acceleration_body", "m/s2", 3, "acceleration in its own axes"),
     Quantity("omega_body", "rad/s", 3, "angular velocity in its own axes"),
     Quantity("alpha_body", "rad/s2", 3, "angular acceleration in its own axes"),
+    Quantity("elevation", "m", words="elevation of the undisturbed sea at the place"),
 )
 
 MARKER_INPUTS = table(Quantity("force", "N", 3), Quantity("moment", "N.m", 3))

@@ -27,7 +27,7 @@ from ..run.instance import Instance
 ZERO = 1e-6
 
 # arrays of the model that `freeze` changes
-FROZEN = ("drive_value", "part_force", "sea_wave", "wind_velocity")
+FROZEN = ("drive_value", "sea_unit", "wind_velocity")
 
 # what the ground is called beside joints
 GROUND = "ground"
@@ -260,11 +260,10 @@ class Mechanism:
     def _calm(self):
         """No waves, no wind."""
         m, d = self.m, self.d
-        m.part_force[:] = 0.0
-        m.sea_wave[::5] = 0.0
+        m.sea_unit[::4] = 0.0
         m.wind_velocity[:] = 0.0
-        # forces over time that were found with waves
-        d.excitation_key[:] = 0.0
+        # what was made of the components
+        d.sea_known[:] = 0.0
 
         for u in m.wind_u[: m.n_wind].tolist():
             told = [k for k in range(u, u + 3) if u >= 0 and k not in self.held]
@@ -273,14 +272,14 @@ class Mechanism:
     @property
     def has_weather(self):
         """Whether there are waves or wind in the scene."""
-        return bool(self.m.n_wind or self.m.n_excitation or self.m.n_sea_wave)
+        return bool(self.m.n_wind or self.m.n_sea_wave)
 
     def thaw(self):
         """Drives move again, and so do wind and waves."""
         if self._before:
             self.model.ints[:] = self._ints
             self.d.u_buffer[:] = self._before.pop("u")
-            self.d.excitation_key[:] = 0.0
+            self.d.sea_known[:] = 0.0
 
             for name, values in self._before.items():
                 getattr(self.m, name)[:] = values

@@ -14,6 +14,7 @@ from ..vocabulary import (
     SOLVER_OUTPUTS,
 )
 from .builder import Place, Source
+from .hydrodynamics import add_waves
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -30,6 +31,7 @@ MARKER_KINDS = {
     "omega_body": outputs.OMEGA_BODY,
     "acceleration_body": outputs.LINEAR_ACCELERATION_BODY,
     "alpha_body": outputs.ALPHA_BODY,
+    "elevation": outputs.ELEVATION,
 }
 MEASURE_KINDS = {
     "distance": outputs.DISTANCE,
@@ -221,6 +223,10 @@ def _add_marker(builder, path, spec):
     for output in spec.output:
         quantity = MARKER_OUTPUTS[output]
         source = Source(MARKER_KINDS[output], 0, index)
+
+        if output == "elevation":
+            add_waves(builder)
+
         builder.add_outputs(
             dotted(*path, output), source, quantity.unit, f"{quantity.text} of {name}", [node]
         )

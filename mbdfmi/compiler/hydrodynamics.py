@@ -12,7 +12,7 @@ from ..files import replacing
 from ..hydro import memory as memory_module
 from ..hydro.memory import Memory, fit
 from ..hydro.reading import read_coefficients, read_states
-from ..hydro.spectra import Components, drawn, of_series, regular, wave_number
+from ..hydro.spectra import Components, drawn, of_series, regular
 from ..kernels import entry, layout, outputs
 from ..kernels.forces.six_by_six import FIRST
 from ..kernels.motion import markers
@@ -20,9 +20,8 @@ from ..kernels.status import OK
 from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea, csv_columns
-from ..vectors import dot
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
-from .builder import Source
+from .builder import Place, Source
 from .start import start_pose
 from .variables import dotted
 
@@ -36,10 +35,11 @@ HYDRODYNAMICS_KINDS = {
     "excitation_power": (outputs.EXCITATION_POWER, 1),
 }
 
-# knots by the shortest period, parts of the energy outside a file's frequencies that are told
-KNOTS = 20
+# part of the energy outside a file's frequencies that is told
 OUTSIDE = 0.01
 
+# rad, by which a direction may be beyond a file's last one
+BESIDE = 1e-6
 # data of a file, and what is taken outside its frequencies
 EXCITATION = ("excitation", "the nearest of its frequencies is taken")
 RADIATION = (
@@ -81,16 +81,7 @@ def add_hydrodynamics(builder, name, force, ends):
         text = "has no added mass at infinite frequency; leave out radiation = false, for the memory finds it"
         raise SceneError([Problem(path, text)])
 
-    builder.tables["n_six_by_six"].add(
-        six_by_six_from=builder.marker("inertial"),
-        six_by_six_to=ends[0],
-        six_by_six_adds=builder.marker_node(ends[0]) > 0,
-        six_by_six_axes=FIRST,
-        six_by_six_stiffness=np.zeros((6, 6)),
-        six_by_six_damping=np.zeros((6, 6)),
-        six_by_six_added=infinite,
-        six_by_six_preload=np.zeros(6),
-    )
+    add_added_mass(builder, ends[0], infinite)
     rows = [_add_memory(builder, name, ends[0], memory, infinite), -1]
 
     if sea.waves and memory and not told[2]:
@@ -100,6 +91,20 @@ def add_hydrodynamics(builder, name, force, ends):
         rows[1] = _add_excitation(builder, name, force, ends[0], coefficients)
 
     _add_outputs(builder, name, force, rows)
+
+
+def add_added_mass(builder, marker, added):
+    """Added mass (6, 6) about a marker, in the axes of the inertial frame whatever way its body turns."""
+    builder.tables["n_six_by_six"].add(
+        six_by_six_from=builder.marker("inertial"),
+        six_by_six_to=marker,
+        six_by_six_adds=builder.marker_node(marker) > 0,
+        six_by_six_axes=FIRST,
+        six_by_six_stiffness=np.zeros((6, 6)),
+        six_by_six_damping=np.zeros((6, 6)),
+        six_by_six_added=added,
+        six_by_six_preload=np.zeros(6),
+    )
 
 
 def _memory_told(spec):
@@ -192,36 +197,49 @@ def _add_memory(builder, name, marker, memory, infinite):
 
 def _add_excitation(builder, name, force, marker, coefficients):
     """Row of what the sea's waves do to a marker's body, about where it starts."""
-    waves, tables = sea_components(builder.scene), builder.tables
-    path = ("force", name, "hydrodynamics", "file")
-    number = wave_number(waves.omega, builder.scene.sea.depth, -builder.scene.gravity[2])
-    place = start_pose(builder, force.on)[0]
-    way = number * (np.cos(waves.heading) * place[0] + np.sin(waves.heading) * place[1])
+    add_waves(builder)
+    tables, path = builder.tables, ("force", name, "hydrodynamics", "file")
+    waves = sea_components(builder.scene)
 
     try:
-        unit = coefficients.exciting(waves.omega, waves.heading)
+        omega, headings, points = coefficients.grid()
     except ValueError as error:
         raise SceneError([Problem(path, str(error))]) from None
 
-    _tell_outside(builder, path, waves, coefficients.wave_omega, EXCITATION)
-    parts = unit * (waves.amplitude * np.exp(1j * (waves.phase - way)))[:, None]
-    along = number[:, None] * np.column_stack([np.cos(waves.heading), np.sin(waves.heading)])
-    builder.wave_places.append((marker, place[:2], along))
-    first = tables["n_part"].length
+    _check_headings(path, headings, waves.heading)
+    _tell_outside(builder, path, waves, omega, EXCITATION)
+    first, first_point = tables["n_grid"].length, tables["n_response_point"].length
 
-    for omega, part in zip(waves.omega, parts):
-        tables["n_part"].add(part_omega=omega, part_force=[*part.real, *part.imag])
+    for value in (*omega, *headings):
+        tables["n_grid"].add(grid_value=value)
 
-    return tables["n_excitation"].add(
+    for point in points.reshape(-1, 48):
+        tables["n_response_point"].add(point_force=point)
+
+    builder.counts["n_part"] = builder.counts.get("n_part", 0) + len(waves.omega)
+    row = tables["n_excitation"].add(
         excitation_marker=marker,
-        excitation_part=first,
-        excitation_parts=len(parts),
-        excitation_step=2 * np.pi / waves.omega.max() / KNOTS,
+        excitation_grid=[first, len(omega), len(headings), first_point],
+        excitation_place=start_pose(builder, force.on)[0][:2],
     )
+    builder.wave_places.append(("excitation_place", row, 2, (marker,), 0.0))
+    return row
+
+
+def _check_headings(path, known, wanted):
+    """Raises SceneError for directions (rad) that a file does not reach."""
+    turned = known[0] + np.mod(wanted - known[0] + BESIDE, 2 * np.pi) - BESIDE
+
+    if turned.max() > known[-1] + BESIDE:
+        text = (
+            f"has no waves that travel at {np.degrees(turned.max()):.4g} degrees; headings are from {np.degrees(known[0]):.4g} to "
+            f"{np.degrees(known[-1]):.4g}"
+        )
+        raise SceneError([Problem(path, text)])
 
 
 def meet_waves(builder, model):
-    """Moves the phases of waves to where bodies start once loops are closed, if that is known."""
+    """Moves the places where waves meet bodies and members to where these start once loops are closed, if that is known."""
     m, d = model.views()
 
     if not (builder.wave_places and m.n_constraint):
@@ -231,14 +249,12 @@ def meet_waves(builder, model):
         return
 
     entry.compute_outputs(m, d, np.zeros(model.n_y))
-    first = model.ints[layout.SLOT["part_force"]]
-    force = model.reals[first : first + len(m.part_force)].reshape(-1, 2, 6)
 
-    for k, (marker, place, along) in enumerate(builder.wave_places):
-        parts = force[m.excitation_part[k] :][: len(along)]
-        moved = np.array(markers.position(m, d, marker))[:2] - place
-        turned = (parts[:, 0] + 1j * parts[:, 1]) * np.exp(-1j * dot(along, moved))[:, None]
-        parts[:, 0], parts[:, 1] = turned.real, turned.imag
+    for array, row, size, marks, part in builder.wave_places:
+        first, last = (np.array(markers.position(m, d, mark)) for mark in (marks[0], marks[-1]))
+        place = (first + part * (last - first))[:size]
+        begin = model.ints[layout.SLOT[array]] + row * size
+        model.reals[begin : begin + size] = place
 
 
 def _tell_outside(builder, path, waves, known, what):
@@ -321,21 +337,60 @@ def _as_components(kind, columns, heading):
     return of_series(*columns, heading)
 
 
+# parameters of a sea in an FMU: their unit, and words
+SEA_PARAMETERS = {
+    "hs": ("m", "significant height of the waves"),
+    "tp": ("s", "period of the spectrum's peak"),
+    "height": ("m", "height of the waves from trough to crest"),
+    "period": ("s", "period of the waves"),
+    "direction": ("rad", "mean direction in which the waves travel, from x towards y"),
+    "seed": (None, "seed of the phases, a whole number"),
+}
+
+
+def add_waves(builder):
+    """The components of the sea, and the parameters that they are made of, once."""
+    if builder.tables["n_sea"].length:
+        return
+
+    sea, tables = builder.scene.sea, builder.tables
+    waves, spec = sea_components(builder.scene), sea.waves
+    drawn = spec.jonswap or spec.pierson_moskowitz
+    height, period, seed = 1.0, 1.0, -1.0
+    names = []
+
+    if drawn:
+        height, period, seed = drawn.hs, drawn.tp, drawn.seed
+        names = ["hs", "tp", "direction", "seed"]
+    elif spec.regular:
+        height, period = spec.regular.height, spec.regular.period
+        names = ["height", "period", "direction"]
+
+    direction = np.radians(spec.direction_deg) if names else 0.0
+    value = [height, period, direction, seed]
+    depth, stretched = sea.depth or 0.0, sea.stretching == "wheeler"
+    tables["n_sea"].add(sea_value=value, sea_water=[depth, -builder.scene.gravity[2], seed, float(stretched)])
+
+    for omega, amplitude, phase, heading in zip(*waves):
+        tables["n_sea_wave"].add(sea_unit=[amplitude / height, omega * period, phase, heading - direction])
+
+    for name in names:
+        at = {"hs": 0, "height": 0, "tp": 1, "period": 1, "direction": 2, "seed": 3}[name]
+        unit, about = SEA_PARAMETERS[name]
+        place = Place("sea_value", 0, at)
+        builder.add_parameters(f"sea.{name}", place, value[at], unit, about, "fixed")
+
+
 def add_sea(builder):
-    """Waves for the outputs of the sea."""
+    """Outputs of the sea."""
     sea = builder.scene.sea
 
     if not (sea and sea.output):
         return
 
-    waves = sea_components(builder.scene)
-    number = wave_number(waves.omega, sea.depth, -builder.scene.gravity[2])
-
-    for omega, a, phase, heading, k in zip(*waves, number):
-        wave = [a, omega, phase, k * np.cos(heading), k * np.sin(heading)]
-        builder.tables["n_sea_wave"].add(sea_wave=wave)
+    add_waves(builder)
 
     for output in sea.output:
         quantity = SEA_OUTPUTS[output]
-        source = Source(outputs.ELEVATION, builder.marker("inertial"))
+        source = Source(outputs.ELEVATION, 0, builder.marker("inertial"))
         builder.add_outputs(f"sea.{output}", source, quantity.unit, quantity.text, [])

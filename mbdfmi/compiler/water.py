@@ -9,7 +9,9 @@ from ..vectors import dot, norm
 from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
+from .hydrodynamics import add_added_mass, add_waves
 from .sea_limits import tell_hull_aground
+from .start import start_pose
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -80,13 +82,20 @@ def add_member(builder, name, force, ends):
         about = "velocity of the current at the surface"
         builder.add_parameters("sea.current", Place("current_velocity"), current.velocity, "m/s", about)
 
+    pushed = spec.added_mass is not None
+    waves = bool(sea.waves) and spec.waves
+    value = [spec.diameter, spec.drag, spec.axial_drag, spec.added_mass if pushed else -1.0]
     row = tables["n_member_drag"].add(
         member_from=ends[0],
         member_to=ends[1],
         member_sections=spec.sections,
-        member_value=[spec.diameter, spec.drag, spec.axial_drag],
+        member_station=_add_stations(builder, force, ends) if waves else -1,
+        member_value=[*value, spec.axial_added_mass],
         member_density=sea.density,
     )
+
+    if pushed:
+        _add_member_inertia(builder, name, force, ends, sea.density)
 
     for k, (key, about) in enumerate((("drag", "across"), ("axial_drag", "along")), 1):
         place = Place("member_value", row, k)
@@ -100,3 +109,60 @@ def add_member(builder, name, force, ends):
         builder.add_outputs(
             dotted(name, output), Source(kind, row), quantity.unit, f"{name}: {quantity.text}", nodes
         )
+
+
+# Gauss points of a unit interval
+GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
+
+
+def _add_stations(builder, force, ends):
+    """The first of a member's stations, those of its sections' points and its ends."""
+    add_waves(builder)
+    first, second = (start_pose(builder, end)[0] for end in force.between)
+    sections = force.member.sections
+    parts = [(j + g) / sections for j in range(sections) for g in GAUSS] + [0.0, 1.0]
+    rows = [builder.tables["n_station"].add(station_r=first + part * (second - first)) for part in parts]
+    builder.wave_places += [("station_r", row, 3, ends, part) for row, part in zip(rows, parts)]
+    return rows[0]
+
+
+def _add_member_inertia(builder, name, force, ends, density):
+    """The water that moves along with what of a member is wet at the start, as added mass about its first end."""
+    spec, scene = force.member, builder.scene
+    first, second = (start_pose(builder, end)[0] for end in force.between)
+    way, length = second - first, norm(second - first)
+    along = np.outer(way, way) / length**2
+    begin, last = _wet_span(first[2], second[2])
+    across = density * np.pi * spec.diameter**2 / 4 * spec.added_mass * (np.eye(3) - along)
+    disc = density * np.pi * spec.diameter**3 / 12 * spec.axial_added_mass * along
+    wet = last - begin
+    added = sum(_inertia_at(wet / 2 * length * across, (begin + wet * g) * way) for g in GAUSS)
+    added = added + sum(
+        _inertia_at(disc, part * way) for part, z in ((0, first[2]), (1, second[2])) if z <= 0.0
+    )
+    add_added_mass(builder, ends[0], added)
+    others = [
+        other
+        for other, known in scene.force.items()
+        if known.kind == "hydrodynamics" and builder.node_of(known.on) == builder.node_of(force.between[0])
+    ]
+
+    if others:
+        text = f"counts the inertia of the water twice: {others[0]} knows of it; leave added_mass out beside hydrodynamics"
+        builder.notice(("force", name, "member", "added_mass"), text)
+
+
+def _wet_span(start, end):
+    """From where to where of its way, from 0 to 1, a member is under water whose ends are at two z (m)."""
+    if (start <= 0.0) == (end <= 0.0):
+        return 0.0, float(start <= 0.0)
+
+    comes_out = start / (start - end)
+    return (0.0, comes_out) if start <= 0.0 else (comes_out, 1.0)
+
+
+def _inertia_at(mass, r):
+    """(6, 6) of a mass (3, 3) at r (m) about the origin: force and moment from accelerations."""
+    x, y, z = r
+    moves = np.hstack([np.eye(3), [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]])
+    return dot(moves.T, mass, moves)

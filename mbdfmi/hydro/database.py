@@ -81,43 +81,29 @@ class Coefficients:
             for k in np.flatnonzero((peak > counts) & (last > ENDS * peak))
         ]
 
-    def exciting(self, omega, heading) -> np.ndarray:
-        """(n, 6) complex at frequencies (n,) and headings (n,) in rad, splined between those of the file.
+    def grid(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Excitation as a bicubic: frequencies (k,), headings (h,), and for each pair of these (4, 12)
+        numbers.
 
-        Raises ValueError without excitation and for headings that the file does not reach.
+        They are values, their derivatives by frequency, by heading and by both, each the real parts of six,
+        then the imaginary ones. Headings that go all the way round end with the first once more. Raises
+        ValueError without excitation.
         """
         if self.excitation is None or self.headings is None or self.wave_omega is None:
             raise ValueError("has no excitation")
 
         headings, values = _around(self.headings, self.excitation)
-        turn = 2 * np.pi
-        heading = headings[0] + np.mod(np.asarray(heading) - headings[0] + 1e-9, turn) - 1e-9
+        slope = _slope(self.wave_omega, values, 0)
+        parts = np.stack([values, slope, _slope(headings, values, 1), _slope(headings, slope, 1)], axis=2)
+        return self.wave_omega, headings, np.concatenate([parts.real, parts.imag], axis=3)
 
-        if heading.max() > headings[-1] + 1e-6:
-            raise ValueError(
-                f"has no waves that travel at {np.degrees(heading.max()):.4g} degrees; headings are from "
-                f"{np.degrees(headings[0]):.4g} to {np.degrees(headings[-1]):.4g}"
-            )
 
-        inside = np.clip(omega, self.wave_omega[0], self.wave_omega[-1])
+def _slope(x, values, axis):
+    """Derivatives at the points of the spline through values; 0 where there is but one."""
+    if len(x) == 1:
+        return np.zeros_like(values)
 
-        if len(headings) == 1:
-            return scipy.interpolate.CubicSpline(self.wave_omega, values[:, 0])(inside)
-
-        found = np.empty((len(inside), 6), complex)
-        spline = scipy.interpolate.CubicSpline(self.wave_omega, values)
-
-        for h in np.unique(heading):
-            at = heading == h
-            found[at] = (
-                scipy.interpolate.CubicSpline(headings, spline(inside[at]), axis=1)(h)
-                if len(headings) > 3
-                else np.stack(
-                    [[np.interp(h, headings, part) for part in row.T] for row in spline(inside[at])]
-                )
-            )
-
-        return found
+    return scipy.interpolate.CubicSpline(x, values, axis=axis)(x, 1)
 
 
 def _size(matrices):

@@ -38,7 +38,8 @@ def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=
 
     spacing : "energy", of equal energy, each at the centroid of its band; "frequency", bands of equal width.
     spread : s of cos^(2 s)((theta - heading) / 2) over `directions` of equal energy, dealt to the components
-        in a drawn order, so that no two directions share a frequency.
+        in an order that is drawn once and for all, so that no two directions share a frequency.
+    seed : of numpy's `default_rng`, which draws the phases.
     """
     peak = 2 * np.pi / tp
     grid = peak * np.linspace(*BAND, FINE)
@@ -57,7 +58,7 @@ def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=
     energy *= (hs / 4) ** 2 / energy.sum()
     dice = np.random.default_rng(seed)
     phase = dice.uniform(0.0, 2 * np.pi, count)
-    return Components(omega, np.sqrt(2 * energy), phase, heading + _offsets(dice, count, spread, directions))
+    return Components(omega, np.sqrt(2 * energy), phase, heading + _offsets(count, spread, directions))
 
 
 def _running(density, grid):
@@ -65,15 +66,15 @@ def _running(density, grid):
     return np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(grid))])
 
 
-def _offsets(dice, count, spread, directions):
-    """(n,) rad, of components from the mean direction."""
+def _offsets(count, spread, directions):
+    """(n,) rad, of components from the mean direction, whatever the seed."""
     if spread is None or directions == 1:
         return np.zeros(count)
 
     grid = np.linspace(-np.pi, np.pi, 20_001)
     whole = _running(np.cos(grid / 2) ** (2 * spread), grid)
     middles = np.interp((np.arange(directions) + 0.5) / directions * whole[-1], whole, grid)
-    return dice.permutation(np.resize(middles, count))
+    return np.random.default_rng(0).permutation(np.resize(middles, count))
 
 
 def of_series(time, elevation, heading) -> Components:

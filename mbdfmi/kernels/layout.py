@@ -12,81 +12,8 @@ axes and taken about the origin of their body.
 
 from typing import NamedTuple
 
+from .counts import COUNTS
 from .status import MOST_NOTICES
-
-COUNTS = (
-    "n_body",  # nodes of the tree, the ground included
-    "n_q",  # position coordinates
-    "n_v",  # velocity coordinates
-    "n_z",  # other states: parameters of end frames, angles of joints outside the tree, memories of waves made
-    "n_x",  # integrated states: n_q + n_v + n_z
-    "n_solid",  # the user's bodies, each fixed in a node
-    "n_marker",
-    "n_coordinate",  # joint coordinates that something refers to
-    "n_turn",  # those that are angles of joints outside the tree
-    "n_rotor",  # rotors that turn with joints of one freedom
-    "n_joint_spring",
-    "n_friction",  # joint coordinates with dry friction
-    "n_stop",  # joint coordinates with bump stops
-    "n_strut",  # spring-dampers between two markers
-    "n_six_by_six",  # 6x6 forces between two markers
-    "n_wrench_input",
-    "n_effort_input",
-    "n_load",  # wrenches on a marker, constant or over time
-    "n_central",  # 1: central gravity
-    "n_hull",  # closed hulls that water carries
-    "n_hull_vertex",
-    "n_polygon",  # their faces
-    "n_corner",  # corners of these
-    "n_line",  # catenaries between two markers
-    "n_radiation",  # memories of the waves that bodies make
-    "n_memory",  # their states
-    "n_excitation",  # what waves do to bodies
-    "n_part",  # components of that
-    "n_sea_wave",  # components of the sea
-    "n_current",  # 1: the sea has a current
-    "n_member_drag",  # members that water drags at
-    "n_wind",  # 1: wind
-    "n_wind_rotor",  # rotors in it
-    "n_cell",  # pieces of their tables
-    "n_constraint",  # joints that close loops, rolling, couplings
-    "n_row",  # their scalar equations
-    "n_term",  # joint coordinates in couplings and in drives of joints that close loops
-    "n_path",  # nodes between the constraints and the ground, summed
-    "n_response",  # values of all rows' responses in the joints between
-    "n_neighbour",  # pairs of neighbours: constraints that share joints, or come to in the factor by fill
-    "n_factor",  # values of the factor of the rows' inverse inertia
-    "n_table",  # piecewise polynomials
-    "n_knot",  # their knots
-    "n_drive",  # joints whose motion is prescribed, the ground's too
-    "n_wave",  # harmonics of their motions
-    "n_command",  # numbers of their motion that inputs tell (motion/commands.py)
-    "n_attitude",  # 1: inputs tell orientation and angular velocity of the ground
-    "n_curve",
-    "n_surface",
-    "n_patch",  # bicubic pieces of surfaces
-    "n_end_frame",  # joints of end frames on curves and surfaces
-    "n_s",  # their parameters
-    "n_told",  # start values that the user gave
-    "n_reaction",  # joints whose reactions go out
-    "n_output",  # blocks of outputs
-    "n_turned",  # bodies, where Euler parameters are among the outputs, else 0
-    "n_u",  # scalar inputs
-    "n_y",  # scalar outputs
-    "output_needs",  # see outputs.py
-    "integrator",  # see steppers/integrate.py
-    "embeds",  # 1: dynamics by the joint-space mass matrix (dynamics/embedding.py), 0: by articulated bodies
-    "n_mass",  # elements of that matrix
-    "n_stage",  # values of the stages of a step (mbdfmi/steppers.py)
-    "n_dense",  # values of a continuous extension, or of the stages of the step before
-    "n_jacobian",  # values of dx'/dx, with room for what fills in, where an implicit stepper may need it
-    "n_swap",  # rows of that
-    "n_block",  # blocks of these rows (compiler/jacobian.py)
-    "n_element",  # parts of rows of blocks, each in one column of blocks
-    "n_column",  # those that are there before fill, by columns
-    "n_colour",  # groups of columns that no row has two of
-    "n_member",  # blocks in these
-)
 
 
 class Array(NamedTuple):
@@ -167,11 +94,11 @@ ARRAYS = (
     Array("radiation_memories", "ints", 1, "n_radiation", "number of these"),
     Array("memory_mate", "ints", 1, "n_memory", "the other state of its pair, itself where it has none"),
     Array("excitation_marker", "ints", 1, "n_excitation", "marker at which waves act"),
-    Array("excitation_part", "ints", 1, "n_excitation", "first of its components"),
-    Array("excitation_parts", "ints", 1, "n_excitation", "number of these"),
+    Array("excitation_grid", "ints", 4, "n_excitation", "first of the frequencies at which it is known, then of headings; numbers of both; first of their points, headings run fastest"),
     Array("member_from", "ints", 1, "n_member_drag", "first marker"),
     Array("member_to", "ints", 1, "n_member_drag", "second marker, on the same node"),
     Array("member_sections", "ints", 1, "n_member_drag", "sections with two points each"),
+    Array("member_station", "ints", 1, "n_member_drag", "first of its stations: points, then ends; -1: no waves move its water"),
     Array("wind_u", "ints", 1, "n_wind", "first of the 3 inputs that tell its velocity, -1: none"),
     Array("wind_rotor_marker", "ints", 1, "n_wind_rotor", "marker about whose x axis it turns"),
     Array("wind_rotor_u", "ints", 1, "n_wind_rotor", "input that tells the blades' pitch, -1: none"),
@@ -303,9 +230,10 @@ ARRAYS = (
     Array("line_length", "reals", 1, "n_line", "m, unstretched"),
     Array("line_mass", "reals", 1, "n_line", "kg/m, less that of the water displaced"),
     Array("line_stiffness", "reals", 1, "n_line", "N, tension by strain"),
+    Array("sea_value", "reals", 4, "n_sea", "height (m), period (s), direction (rad), seed: see forces/sea.py"),
     Array("current_velocity", "reals", 3, "n_current", "m/s, in O, at the surface"),
     Array("current_profile", "reals", 2, "n_current", "exponent of the height over the bed, depth (m)"),
-    Array("member_value", "reals", 3, "n_member_drag", "diameter (m), drag coefficients across and along"),
+    Array("member_value", "reals", 5, "n_member_drag", "diameter (m), drag coefficients across and along, added mass coefficients across (below 0: waves push elsewhere) and along"),
     Array("member_density", "reals", 1, "n_member_drag", "kg/m3, of the water"),
     Array("wind_velocity", "reals", 3, "n_wind", "m/s, in O, at the height of reference"),
     Array("wind_profile", "reals", 2, "n_wind", "exponent of height, height of reference (m)"),
@@ -343,10 +271,12 @@ ARRAYS = (
     Array("memory_pole", "reals", 2, "n_memory", "1/s: rate by the state itself and by its mate"),
     Array("memory_from", "reals", 6, "n_memory", "rate by velocity and angular velocity of the marker, in inertial axes"),
     Array("memory_to", "reals", 6, "n_memory", "N, N m: the state times this is taken off force and moment"),
-    Array("excitation_step", "reals", 1, "n_excitation", "s, from knot to knot"),
-    Array("part_omega", "reals", 1, "n_part", "rad/s"),
-    Array("part_force", "reals", 12, "n_part", "N, N m: real parts, then imaginary ones, of force and moment"),
-    Array("sea_wave", "reals", 5, "n_sea_wave", "amplitude (m), frequency (rad/s), phase (rad), wave numbers along x and y (rad/m)"),
+    Array("sea_water", "reals", 4, "n_sea", "depth (m, 0: deep), gravity (m/s2), seed that the phases were drawn with, 1: stretched to the waves (Wheeler)"),
+    Array("sea_unit", "reals", 4, "n_sea_wave", "amplitude by height, frequency by that of the period (1/s), phase, direction from the mean one (rad)"),
+    Array("excitation_place", "reals", 2, "n_excitation", "m, x and y where it is at the start"),
+    Array("grid_value", "reals", 1, "n_grid", "rad/s; rad"),
+    Array("point_force", "reals", 48, "n_response_point", "by elevation: N, N m, real then imaginary parts; derivatives by frequency, heading, both"),
+    Array("station_r", "reals", 3, "n_station", "m, in O, at the start"),
     Array("rotor_grid", "reals", 4, "n_wind_rotor", "first tip speed ratio and step, first pitch and step (rad)"),
     Array("cell_c", "reals", 32, "n_cell", "of C_T, then of C_Q: coefficients of s1^i s2^j, j runs fastest"),
     Array("vertex_r", "reals", 3, "n_hull_vertex", "m, in the axes of the hull's marker"),
@@ -489,8 +419,15 @@ ARRAYS = (
     Array("M", "work", 6, "n_body", "translational block"),
     Array("moment", "work", 3, "n_body", "N m, applied, about the origin"),
     Array("force", "work", 3, "n_body", "N, applied"),
+    Array("sea_known", "work", 14, "n_sea", "1, sea_value that the components were made of, their highest frequency (rad/s); knots in the ring of stations"),
+    Array("sea_wave", "work", 7, "n_sea_wave", "amplitude (m), frequency (rad/s), phase (rad), wave number along x, y and in all (rad/m), exp(-2 k depth)"),
+    Array("sea_dice", "work", 16, "n_sea", "of the generator of random phases (math/dice.py)"),
+    Array("part_force", "work", 12, "n_part", "N, N m: real parts, then imaginary ones, of force and moment"),
     Array("excitation_key", "work", 8, "n_excitation", "which knots stand in the ring (forces/waves.py)"),
-    Array("excitation_knot", "work", 144, "n_excitation", "values and derivatives at them"),
+    Array("excitation_knot", "work", 192, "n_excitation", "values and derivatives at them"),
+    Array("station_turn", "work", 2, "n_sea_wave", "cosine and sine of the components at a station"),
+    Array("station_knot", "work", 80, "n_station", "values and rates at the knots"),
+    Array("line_known", "work", 18, "n_line", "what a line was solved for, and its pull (forces/catenaries.py)"),
     Array("hull_point", "work", 3, "n_hull_vertex", "m, in inertial axes, x and y from the marker, z from the water plane"),
     Array("alpha", "work", 3, "n_body", "rad/s2, angular acceleration"),
     Array("rdd", "work", 3, "n_body", "m/s2, acceleration of the origin"),

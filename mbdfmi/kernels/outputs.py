@@ -18,6 +18,7 @@ from .forces import (
     loads,
     members,
     radiation,
+    sea,
     six_by_six,
     stops,
     struts,
@@ -139,7 +140,7 @@ RADIATION_POWER = 87
 EXCITATION_FORCE = 88
 EXCITATION_MOMENT = 89
 EXCITATION_POWER = 90
-# of the sea at marker a
+# of the sea at marker b
 ELEVATION = 91
 # of the wind's rotor a
 ROTOR_THRUST = 92
@@ -354,7 +355,8 @@ def write_wave_output(m, d, kind, a, at, y):
     """An output of radiation a, of excitation a, or of the sea at marker a into y from `at` on."""
     if kind == ELEVATION:
         r = markers.position(m, d, a)
-        y[at] = waves.elevation(m, d, r[0], r[1])
+        waves.ready(m, d)
+        y[at] = sea.elevation(m, d, r[0], r[1])
 
     elif kind == RADIATION_POWER or kind == EXCITATION_POWER:
         y[at] = radiation.power_of(m, d, a) if kind == RADIATION_POWER else waves.power_of(m, d, a)
@@ -557,7 +559,7 @@ def write_outputs(m, d, y):
             write_line_output(m, d, kind, a, at, y)
 
         elif RADIATION_FORCE <= kind <= ELEVATION:
-            write_wave_output(m, d, kind, a, at, y)
+            write_wave_output(m, d, kind, b if kind == ELEVATION else a, at, y)
 
         elif ROTOR_THRUST <= kind <= ROTOR_POWER:
             write_rotor_output(m, d, kind, a, at, y)

@@ -2,7 +2,7 @@
 
 import math
 
-from .forces import six_by_six
+from .forces import sea, six_by_six, waves
 from .language import apart, inlined, kernel
 from .math import algebra as al
 from .motion import coordinates
@@ -15,6 +15,7 @@ from .status import (
     BAD_MAX_EVALUATIONS,
     BAD_PARAMETER,
     BAD_ROTOR,
+    BAD_SEA,
     BAD_SOLVER_SETTING,
     BAD_TOLERANCE,
     OK,
@@ -211,6 +212,9 @@ def prepare(m, d):
     for i in range(m.n_body):
         if not has_finite_inertia(d, i):
             return status(BAD_PARAMETER, i)
+
+    if m.n_sea > 0 and not (sea.is_one(m) and waves.are_known(m)):
+        return status(BAD_SEA, 0)
 
     wrong = wrongly_moved(m)
 

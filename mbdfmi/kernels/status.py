@@ -38,6 +38,7 @@ BAD_STEP = 44
 BAD_ROTOR = 45
 TOUCHES_ALONG = 46
 BAD_EFFORT = 47
+BAD_SEA = 50
 COUPLING_OPEN = 48
 COUPLING_OFF = 49
 SINGULAR_START = 30
@@ -97,6 +98,8 @@ MESSAGES = {
     BAD_ROTOR: "the rotor that turns with the joint of %s needs an inertia that is not negative, and finite numbers",
     BAD_EFFORT: "a spring, damper, stop, friction or line that acts on %s has a constant that is negative or no number, or a speed of its "
     "friction is not positive",
+    BAD_SEA: "sea.hs, sea.height must not be negative, sea.tp, sea.period must be positive, sea.seed must be a whole number from 0 to "
+    "4294967295, and sea.direction one that the coefficients of the bodies have waves of",
     TOUCHES_ALONG: "the surfaces of %s touch in more than a point: the first one is as hollow there as the second one is round, or "
     "hollower, or the second one is a wheel that lies flat",
     SINGULAR_START: "the loop cannot be closed at %s though it stands open by rounding only: the position is singular; start a "

@@ -107,11 +107,27 @@ def unfit_water(scene):
 
     found = "central_gravity" if scene.central_gravity else f"gravity {show(scene.gravity)}"
     text = f"water lies in the plane z = 0, and gravity must point along -z; found {found}"
-    return [
+    waves = [Problem(("sea", "waves"), text)] if scene.sea and scene.sea.waves else []
+    return waves + [
         Problem(("force", name, force.kind), text)
         for name, force in scene.force.items()
         if force.kind in ("hydrostatics", "hydrodynamics", "catenary")
     ]
+
+
+def elevations_without_waves(scene):
+    """The problems of markers in a valid scene that ask for the elevation of a sea without waves."""
+    if scene.sea and scene.sea.waves:
+        return []
+
+    text = 'output "elevation" is that of waves, and there are none, as in [sea] waves = { jonswap = { hs = 2, tp = 8 } }'
+    asked = [(("body", name), body) for name, body in scene.body.items()]
+    asked += [
+        (("body", name, "marker", marker), spec)
+        for name, body in scene.body.items()
+        for marker, spec in body.marker.items()
+    ]
+    return [Problem((*path, "output"), text) for path, spec in asked if "elevation" in spec.output]
 
 
 def rotors_without_wind(scene):

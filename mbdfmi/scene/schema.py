@@ -6,7 +6,14 @@ from pydantic import Field, ValidationError, model_validator
 from ..steppers import STEPPERS
 from ..vocabulary import SCENE_OUTPUTS, SOLVER_OUTPUTS
 from .bodies import Body, Ground
-from .checks import clashes, cross_references, rotors_without_wind, unfit_shapes, unfit_water
+from .checks import (
+    clashes,
+    cross_references,
+    elevations_without_waves,
+    rotors_without_wind,
+    unfit_shapes,
+    unfit_water,
+)
 from .code import Code
 from .couplings import Coupling
 from .errors import SceneError
@@ -184,6 +191,7 @@ class SceneData(Part):
             problems += unfit_shapes(scene)
         if scene:
             problems += clashes(scene) + unfit_water(scene) + rotors_without_wind(scene)
+            problems += elevations_without_waves(scene)
         if problems:
             raise SceneError(sorted(problems, key=lambda problem: _order(problem.path, data)))
         return scene

@@ -123,7 +123,9 @@ class Sea(Part):
     density : kg/m3.
     depth : m, of a flat bed; deep when left out.
     current : that drags at members; none when left out.
-    waves : that bodies with `hydrodynamics` feel; none when left out.
+    waves : that bodies with `hydrodynamics`, and members, feel; none when left out.
+    stretching : how the water moves above the mean surface at members: "wheeler", up to the waves as it does under the mean surface,
+        "none", as it does there, and members are wet up to z = 0.
     output : elevation of the undisturbed sea at the origin, m.
     """
 
@@ -131,10 +133,13 @@ class Sea(Part):
     depth: Positive | None = None
     current: Current | None = None
     waves: Waves | None = None
+    stretching: OneOf("wheeler", "none") = "none"
     output: SomeOf(*SEA_OUTPUTS) = []
 
     @model_validator(mode="after")
     def _check_output(self):
+        if "stretching" in self.model_fields_set and not self.waves:
+            raise ValueError("stretching is about waves, and there are none")
         if self.output and not self.waves:
             raise ValueError('output "elevation" is that of waves, and there are none')
         if self.current and self.current.exponent and not self.depth:
@@ -204,20 +209,34 @@ class MemberOptions(Part):
     """diameter : m.
     drag : coefficient across the axis, by diameter and length.
     axial_drag : coefficient along it, by the area of the disc, for each end that is under water.
-    sections : of the wet part, with two points each.
+    added_mass : coefficient across the axis, by the mass of the water that it displaces where it starts. Left out, no inertia of the water and no
+        pressure of waves acts: other elements of the body know of both.
+    axial_added_mass : coefficient along it, for each end that starts under water, by half a ball of water on its disc.
+    waves : whether those of the sea move its water.
+    sections : of equal lengths, with two points each on what of them is wet.
     """
 
     diameter: Positive
     drag: NotNegative = 1.0
     axial_drag: NotNegative = 0.0
+    added_mass: NotNegative | None = None
+    axial_added_mass: NotNegative = 0.0
+    waves: Boolean = True
     sections: whole(1, 100) = 4
+
+    @model_validator(mode="after")
+    def _check_added_mass(self):
+        if self.axial_added_mass and self.added_mass is None:
+            raise ValueError("axial_added_mass needs added_mass beside it, as in added_mass = 1.0")
+        return self
 
 
 class Member(Part):
-    """member = { diameter, drag, axial_drag, sections }, between : two ends on one body, round it is between them.
+    """member = { diameter, drag, axial_drag, added_mass, ... }, between : two ends on one body, round it is between them.
 
-    Drag of still water and current on what of it is under z = 0: Morison's term in the velocity. Waves do not move the water here, and added
-    mass is for `hydrodynamics` or `linear`.
+    Morison's formula for what of it is under water: drag in the velocity of the water, of current and waves, less its own; with `added_mass`
+    also the inertia of that water, the part of the member's own acceleration as added mass, and the pressure of waves on its ends. The
+    waves are those at the places where it starts. Buoyancy is for `hydrostatics` or `linear` beside it.
 
     output : force of the water (N, inertial frame), its power on the body (W).
     """

@@ -65,6 +65,25 @@ def _eccentric_anomaly(function):
     return eccentric_anomaly
 
 
+def _unknown(function):
+    """`catenaries.is_known`: what scratch holds is no part of a graph."""
+    return lambda *args: False
+
+
+def _forgotten(function):
+    """`catenaries.know`."""
+    return lambda *args: None
+
+
+def _from_cold(function):
+    """`catenaries.nearby`: the guess of a line that nothing is known of."""
+
+    def nearby(m, d, k, w, L, EA, bed, x, z):
+        return function.__globals__["first_guess"](L, w, x, z)
+
+    return nearby
+
+
 def _interval_at(buffers, about, x):
     first, knots, at = about
     return at + plain_function(tables.left_knot)(buffers["reals"], first, knots, x) - first
@@ -80,5 +99,9 @@ VALUES = {"interval": _interval_at, "eccentric_anomaly": _eccentric_anomaly_at}
 REPLACED = {
     "math.tables.interval": _interval,
     "motion.ellipses.eccentric_anomaly": _eccentric_anomaly,
+    "forces.catenaries.is_known": _unknown,
+    "forces.catenaries.know": _forgotten,
+    "forces.catenaries.nearby": _from_cold,
 }
-"""Kernels that call them, and what takes their places."""
+"""Kernels that call them, or look at what an evaluation before left in scratch, and what takes their
+places."""

@@ -2,13 +2,14 @@
 
 The unknowns are the pull at the upper end: H (N) towards the lower end, V (N) downwards. The distances (x, z) of the ends are the
 gradient of the line's complementary energy E*(H, V), which is convex: Newton's method on it finds the one solution from anywhere.
-Nothing is remembered between evaluations, so that no result depends on what was evaluated before.
+What is kept in scratch is a function of what it is asked for: the last solution, and that at the middle of a cell of distances,
+near which Newton's method begins. So no result depends on what was evaluated before.
 """
 
 import math
 from typing import NamedTuple
 
-from ..language import apart, inlined
+from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64
@@ -16,6 +17,9 @@ from ..signatures import DATA, MODEL, Tuple, float64, int64
 # gaps of the ends by the line's length: at which they are met, and from which on a step that does not lessen them is the last
 MET = 1e-13
 ROUNDED = 1e-9
+
+# of distances by the line's length, to each of which a solution to begin from belongs
+CELLS = 1024.0
 
 MOST_STEPS = 100
 MOST_HALVINGS = 50
@@ -85,24 +89,24 @@ def kept_share(value, change):
     return (KEPT - 1.0) * value / change if value + change < KEPT * value else 1.0
 
 
-@apart(Tuple((float64, float64))(MODEL, DATA, int64, float64, float64))
-def pull(m, d, k, x, z):
-    """(H, V) of line k whose ends are x >= 0 and z (m) apart; z >= 0 without a bed."""
-    L = m.line_length[k]
-    EA = m.line_stiffness[k]
-    w = weight(m, k)
-    bed = m.line_bed[k]
-
+@inlined
+def limit(w, L, EA, bed, x, z):
+    """(known, H, V): the pull of a line that no iteration is needed for: slack, or all of it on the bed."""
     if bed == 1:
         hanging = 2.0 * w * z / (1.0 + math.sqrt(1.0 + 2.0 * w * max(z, 0.0) / EA))
 
         if z <= 0.0:
-            return max(0.0, EA * (x / L - 1.0)), 0.0
+            return True, max(0.0, EA * (x / L - 1.0)), 0.0
 
         if hanging <= w * L and x <= L - hanging / w:
-            return 0.0, hanging
+            return True, 0.0, hanging
 
-    H, V = first_guess(L, w, x, z)
+    return False, 0.0, 0.0
+
+
+@kernel
+def solve(w, L, EA, bed, x, z, H, V):
+    """(H, V) of a line whose ends are x >= 0 and z (m) apart, from a guess; z >= 0 without a bed."""
     x1, z1, dx, across, dz = distances(L, w, EA, bed, H, V)
     gap = abs(x1 - x) + abs(z1 - z)
 
@@ -139,6 +143,83 @@ def pull(m, d, k, x, z):
         H += share * change_H
         V += share * change_V
 
+    return H, V
+
+
+@inlined
+def is_known(d, at, w, L, EA, x, z):
+    """Whether a line of these values at these distances was solved for, and stands at `at`."""
+    p = d.line_known
+    return p[at] == w and p[at + 1] == L and p[at + 2] == EA and p[at + 3] == x and p[at + 4] == z
+
+
+@inlined
+def know(d, at, w, L, EA, x, z, H, V):
+    """Keeps what was found."""
+    p = d.line_known
+    p[at] = w
+    p[at + 1] = L
+    p[at + 2] = EA
+    p[at + 3] = x
+    p[at + 4] = z
+    p[at + 5] = H
+    p[at + 6] = V
+
+
+@inlined
+def nearby(m, d, k, w, L, EA, bed, x, z):
+    """A guess at (H, V): from the solution at the middle of the cell of a grid of distances, on by its derivative."""
+    cell = L / CELLS
+    x0 = (math.floor(x / cell) + 0.5) * cell
+    z0 = (math.floor(z / cell) + 0.5) * cell
+    at = 18 * k + 7
+    p = d.line_known
+
+    if not is_known(d, at, w, L, EA, x0, z0):
+        limited, H, V = limit(w, L, EA, bed, x0, z0)
+
+        if limited:
+            return first_guess(L, w, x, z)
+
+        H, V = first_guess(L, w, x0, z0)
+        H, V = solve(w, L, EA, bed, x0, z0, H, V)
+        know(d, at, w, L, EA, x0, z0, H, V)
+        x1, z1, dx, across, dz = distances(L, w, EA, bed, H, V)
+        share = 1.0 / (dx * dz - across * across)
+        p[at + 7] = share * dz
+        p[at + 8] = -share * across
+        p[at + 9] = share * dx
+
+    H = p[at + 5] + p[at + 7] * (x - x0) + p[at + 8] * (z - z0)
+    V = p[at + 6] + p[at + 8] * (x - x0) + p[at + 9] * (z - z0)
+
+    # in a cell where the pull changes by more than itself its derivative says nothing
+    if H <= KEPT * p[at + 5] or (bed == 1 and V <= KEPT * p[at + 6]) or not math.isfinite(H + V):
+        return first_guess(L, w, x, z)
+
+    return H, V
+
+
+@apart(Tuple((float64, float64))(MODEL, DATA, int64, float64, float64))
+def pull(m, d, k, x, z):
+    """(H, V) of line k whose ends are x >= 0 and z (m) apart; z >= 0 without a bed."""
+    L = m.line_length[k]
+    EA = m.line_stiffness[k]
+    w = weight(m, k)
+    bed = m.line_bed[k]
+    limited, H, V = limit(w, L, EA, bed, x, z)
+
+    if limited:
+        return H, V
+
+    at = 18 * k
+
+    if is_known(d, at, w, L, EA, x, z):
+        return d.line_known[at + 5], d.line_known[at + 6]
+
+    H, V = nearby(m, d, k, w, L, EA, bed, x, z)
+    H, V = solve(w, L, EA, bed, x, z, H, V)
+    know(d, at, w, L, EA, x, z, H, V)
     return H, V
 
 

@@ -1,7 +1,9 @@
-"""Drag on round members in still water and current (docs/theory.md 16.19): Morison's term in the velocity.
+"""Round members in water that a current and waves move (docs/theory.md 16.19): Morison's formula.
 
-Along the wet part of a member, in equal sections with two Gauss points each, 1/2 rho D C_D |u_n| u_n for each length, u the velocity of the
-water less that of the point, u_n its part across the axis; on the discs at wet ends 1/2 rho pi D^2 / 4 C_A |u_a| u_a along it.
+A member has equal sections, with two Gauss points each on what of them is under water. For each length 1/2 rho D C_D |u_n| u_n, u the
+velocity of the water less that of the point, u_n its part across the axis, and of waves rho pi D^2 / 4 (1 + C_A) a_n, a the water's
+acceleration; on the discs at wet ends 1/2 rho pi D^2 / 4 C_A |u_a| u_a along the axis, the pressure of waves, and rho pi D^3 / 12 of the
+water's acceleration along it. What follows the member's own acceleration is added mass, a row of the six by six.
 """
 
 import math
@@ -10,6 +12,7 @@ from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64
+from . import stations
 
 # Gauss points of a unit interval
 GAUSS = 0.21132486540518712
@@ -41,53 +44,108 @@ def wet_part(lower, upper):
 
 
 @inlined
-def felt(m, d, i, r):
-    """Velocity (m/s) of the water at r (m, in O) as body i's point there feels it."""
-    return al.sub(current_at(m, r[2]), markers.point_velocity(m, d, i, r))
+def water(m, d, when, n, r):
+    """(velocity m/s, acceleration m/s2) of the water at r (m, in O); n : station whose waves are felt there, below 0: none."""
+    if n < 0:
+        return current_at(m, r[2]), al.ZERO3
+
+    v, a = stations.moves(m, d, when, n)
+    return al.add(current_at(m, r[2]), v), a
+
+
+@inlined
+def level(m, d, when, n):
+    """z of the surface (m) above station n: that of the waves where the water's motion reaches up to them, else 0."""
+    if n < 0 or m.sea_water[3] == 0.0:
+        return 0.0
+
+    return stations.value(m, d, when, n, stations.ELEVATION)[0]
+
+
+@inlined
+def act(m, d, i, r, f, load):
+    """A load (moment, force, power), and that of the force f (N) at r on body i."""
+    moment, force, power = load
+    arm = al.sub(r, al.vec3(d.r, i))
+    power += al.dot(f, markers.point_velocity(m, d, i, r))
+    return al.add(moment, al.cross(arm, f)), al.add(force, f), power
+
+
+@inlined
+def along_length(m, d, k, when, n, i, r, axis):
+    """Force by length (N/m) of the water at the point r of member k on body i; n : its station."""
+    D = m.member_value[5 * k]
+    v, a = water(m, d, when, n, r)
+    u = al.sub(v, markers.point_velocity(m, d, i, r))
+    u_n = al.axpy(-al.dot(u, axis), axis, u)
+    f = al.scale(0.5 * m.member_density[k] * D * m.member_value[5 * k + 1] * al.norm(u_n), u_n)
+    added = m.member_value[5 * k + 3]
+
+    if n >= 0 and added >= 0.0:
+        a_n = al.axpy(-al.dot(a, axis), axis, a)
+        f = al.axpy(0.25 * m.member_density[k] * math.pi * D * D * (1.0 + added), a_n, f)
+
+    return f
+
+
+@inlined
+def on_end(m, d, k, when, n, i, r, axis, side):
+    """Force (N) on the disc at the wet end r of member k; side : 1 at the first end, -1 at the second."""
+    D = m.member_value[5 * k]
+    v, a = water(m, d, when, n, r)
+    disc = 0.25 * m.member_density[k] * math.pi * D * D
+    u_a = al.dot(al.sub(v, markers.point_velocity(m, d, i, r)), axis)
+    f = 0.5 * disc * m.member_value[5 * k + 2] * abs(u_a) * u_a
+
+    if n >= 0 and m.member_value[5 * k + 3] >= 0.0:
+        f += side * disc * stations.value(m, d, when, n, stations.PRESSURE)[0]
+        f += disc * D / 3.0 * m.member_value[5 * k + 4] * al.dot(a, axis)
+
+    return al.scale(f, axis)
 
 
 @apart(FORCES(MODEL, DATA, int64))
 def drag(m, d, k):
     """Of the water on member k about its body's origin: moment N m, force N, inertial axes, and the power on it W."""
     i = m.marker_body[m.member_from[k]]
-    origin = al.vec3(d.r, i)
     start = markers.position(m, d, m.member_from[k])
     end = markers.position(m, d, m.member_to[k])
     way = al.sub(end, start)
     length = al.norm(way)
     axis = al.scale(1.0 / length, way)
-    first, last = wet_part(start[2], end[2])
-    n = m.member_sections[k]
-    D = m.member_value[3 * k]
-    across = 0.25 * m.member_density[k] * D * m.member_value[3 * k + 1] * (last - first) * length / n
-    along = 0.125 * m.member_density[k] * math.pi * D * D * m.member_value[3 * k + 2]
-    force = al.ZERO3
-    moment = al.ZERO3
-    power = 0.0
+    sections = m.member_sections[k]
+    first = m.member_station[k]
+    when = ((0, 0, 0, 0), 0.0)
+    load = (al.ZERO3, al.ZERO3, 0.0)
 
-    if first >= last:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if first >= 0:
+        when = stations.now(m, d)
 
-    for j in range(2 * n):
-        part = (j // 2 + (GAUSS if j % 2 == 0 else 1.0 - GAUSS)) / n
-        r = al.axpy(first + (last - first) * part, way, start)
-        u = felt(m, d, i, r)
-        u_n = al.axpy(-al.dot(u, axis), axis, u)
-        f = al.scale(across * al.norm(u_n), u_n)
-        force = al.add(force, f)
-        moment = al.add(moment, al.cross(al.sub(r, origin), f))
-        power += al.dot(f, markers.point_velocity(m, d, i, r))
+    for j in range(sections):
+        n = first + 2 * j if first >= 0 else -1
+        low = start[2] + way[2] * j / sections
+        high = start[2] + way[2] * (j + 1) / sections
+        surface = level(m, d, when, n)
+
+        if first >= 0:
+            surface = 0.5 * (surface + level(m, d, when, n + 1))
+
+        begin, last = wet_part(low - surface, high - surface)
+
+        for g in range(2 if begin < last else 0):
+            part = begin + (last - begin) * (GAUSS if g == 0 else 1.0 - GAUSS)
+            r = al.axpy((j + part) / sections, way, start)
+            f = along_length(m, d, k, when, n + g if first >= 0 else -1, i, r, axis)
+            load = act(m, d, i, r, al.scale(0.5 * (last - begin) * length / sections, f), load)
 
     for j in range(2):
+        n = first + 2 * sections + j if first >= 0 else -1
         r = start if j == 0 else end
 
-        if r[2] <= 0.0:
-            u_a = al.dot(felt(m, d, i, r), axis)
-            f = al.scale(along * abs(u_a) * u_a, axis)
-            force = al.add(force, f)
-            moment = al.add(moment, al.cross(al.sub(r, origin), f))
-            power += al.dot(f, markers.point_velocity(m, d, i, r))
+        if r[2] <= level(m, d, when, n):
+            load = act(m, d, i, r, on_end(m, d, k, when, n, i, r, axis, 1.0 - 2.0 * j), load)
 
+    moment, force, power = load
     return moment[0], moment[1], moment[2], force[0], force[1], force[2], power
 
 
@@ -120,5 +178,5 @@ def power(m, d):
 
 @inlined
 def dissipated(m, d):
-    """W, that water takes; a current may give some."""
+    """W, that water takes; a current and waves may give some."""
     return -power(m, d)

@@ -1,8 +1,9 @@
 """What the waves of the sea do to bodies: sums of components over time (docs/theory.md 16.17).
 
-F(t) = sum over k of Re(F_k e^(i omega_k t)) of six numbers, force and moment at a marker in inertial axes. A sum of hundreds of
-components is dear, so its value and two derivatives are kept at knots j D of time, a ring of them, and between two knots there is a
-quintic. What a knot holds depends on its time alone: what is kept in scratch changes no result.
+F(t) = sum over k of Re(F_k e^(i omega_k t)) of six numbers, force and moment at a marker in inertial axes. F_k is what a file says
+of the component's frequency and heading: bicubic between its points, by values and derivatives at these. A sum of hundreds of
+components is dear, so its value and three derivatives are kept at knots j D of time, a ring of them, and between two knots there
+is a polynomial of degree 7. What a knot holds depends on its time and on parameters alone: what is kept in scratch changes no result.
 """
 
 import math
@@ -10,36 +11,159 @@ import math
 from ..language import apart, inlined
 from ..motion import markers
 from ..signatures import DATA, MODEL, int64, void
+from . import sea
 
 RING = 8
-PER_KNOT = 18
+PER_KNOT = 24
+
+# knots in the shortest of the periods
+KNOTS = 8.0
+
+# rad, by which a heading may be beyond the last one that is known
+BESIDE = 1e-6
+
+
+@inlined
+def ready(m, d):
+    """The components, and what they do to bodies, of the parameters as they are."""
+    if not sea.is_made(m, d):
+        sea.make(m, d)
+
+        for k in range(m.n_excitation):
+            make_parts(m, d, k)
+
+
+@inlined
+def interval(m, first, n, x):
+    """The last of the first n - 1 of n ascending grid values that is not above x, the first where all are."""
+    j = 0
+
+    while j < n - 2 and m.grid_value[first + j + 1] <= x:
+        j += 1
+
+    return j
+
+
+@inlined
+def heading_known(m, k, heading):
+    """A heading (rad) as the grid of excitation k counts them: less than one turn above its first, but for rounding."""
+    first = m.grid_value[m.excitation_grid[4 * k] + m.excitation_grid[4 * k + 1]]
+    turns = math.floor((heading - first + BESIDE) / (2.0 * math.pi))
+    return heading - 2.0 * math.pi * turns
+
+
+@inlined
+def knows_headings(m, k):
+    """Whether the file of excitation k has waves of all the sea's directions."""
+    at = m.excitation_grid[4 * k] + m.excitation_grid[4 * k + 1]
+    last = m.grid_value[at + m.excitation_grid[4 * k + 2] - 1]
+
+    for p in range(m.n_sea_wave):
+        if heading_known(m, k, m.sea_value[2] + m.sea_unit[4 * p + 3]) > last + BESIDE:
+            return False
+
+    return True
+
+
+@inlined
+def are_known(m):
+    """Whether that is so of all excitations."""
+    known = True
+
+    for k in range(m.n_excitation):
+        known = known and knows_headings(m, k)
+
+    return known
+
+
+@inlined
+def weights(t, h):
+    """Of values and slopes at the ends of an interval of length h, at t from 0 to 1 (Hermite)."""
+    u = 1.0 - t
+    return u * u * (1.0 + 2.0 * t), h * t * u * u, t * t * (3.0 - 2.0 * t), -h * t * t * u
+
+
+@inlined
+def share(m, first, n, x):
+    """(interval, weights at x) in n grid values; held beyond the ends, all of one value is that."""
+    if n == 1:
+        return 0, (1.0, 0.0, 0.0, 0.0)
+
+    j = interval(m, first, n, x)
+    h = m.grid_value[first + j + 1] - m.grid_value[first + j]
+    t = min(max((x - m.grid_value[first + j]) / h, 0.0), 1.0)
+    return j, weights(t, h)
+
+
+@apart(void(MODEL, DATA, int64))
+def make_parts(m, d, k):
+    """F_k of the components of excitation k, as they arrive at its place."""
+    first = m.excitation_grid[4 * k]
+    n = m.excitation_grid[4 * k + 1]
+    headings = m.excitation_grid[4 * k + 2]
+
+    for p in range(m.n_sea_wave):
+        heading = heading_known(m, k, m.sea_value[2] + m.sea_unit[4 * p + 3])
+        j, along = share(m, first, n, d.sea_wave[7 * p + 1])
+        l, across = share(m, first + n, headings, heading)
+        way = d.sea_wave[7 * p + 3] * m.excitation_place[2 * k]
+        way += d.sea_wave[7 * p + 4] * m.excitation_place[2 * k + 1]
+        c = d.sea_wave[7 * p] * math.cos(d.sea_wave[7 * p + 2] - way)
+        s = d.sea_wave[7 * p] * math.sin(d.sea_wave[7 * p + 2] - way)
+        at = 12 * (m.n_sea_wave * k + p)
+
+        for i in range(6):
+            re = 0.0
+            im = 0.0
+
+            # corners of the cell, where there are two
+            for a in range(2 if n > 1 else 1):
+                for b in range(2 if headings > 1 else 1):
+                    q = 48 * (m.excitation_grid[4 * k + 3] + headings * (j + a) + l + b)
+                    w, w_slope = along[2 * a], along[2 * a + 1]
+                    v, v_slope = across[2 * b], across[2 * b + 1]
+                    re += w * (v * m.point_force[q + i] + v_slope * m.point_force[q + 24 + i])
+                    re += w_slope * (v * m.point_force[q + 12 + i] + v_slope * m.point_force[q + 36 + i])
+                    im += w * (v * m.point_force[q + 6 + i] + v_slope * m.point_force[q + 30 + i])
+                    im += w_slope * (v * m.point_force[q + 18 + i] + v_slope * m.point_force[q + 42 + i])
+
+            d.part_force[at + i] = re * c - im * s
+            d.part_force[at + 6 + i] = re * s + im * c
+
+
+@inlined
+def step(d):
+    """s, from knot to knot."""
+    return 2.0 * math.pi / (KNOTS * d.sea_known[5])
 
 
 @apart(void(MODEL, DATA, int64, int64, int64))
 def fill_knot(m, d, k, j, slot):
-    """Knot j of element k into its ring: values, derivatives, second derivatives of 6 components each, by D."""
+    """Knot j of element k into its ring: values, then three derivatives of 6 components each, by D."""
     at = PER_KNOT * (RING * k + slot)
-    D = m.excitation_step[k]
+    D = step(d)
     t = j * D
 
     for i in range(PER_KNOT):
         d.excitation_knot[at + i] = 0.0
 
-    begin = m.excitation_part[k]
-
-    for p in range(begin, begin + m.excitation_parts[k]):
-        omega = m.part_omega[p]
+    for p in range(m.n_sea_wave):
+        omega = d.sea_wave[7 * p + 1]
         c = math.cos(omega * t)
         s = math.sin(omega * t)
         turn = omega * D
+        square = turn * turn
+        begin = 12 * (m.n_sea_wave * k + p)
 
         for i in range(6):
-            re = m.part_force[12 * p + i]
-            im = m.part_force[12 * p + 6 + i]
+            re = d.part_force[begin + i]
+            im = d.part_force[begin + 6 + i]
             value = re * c - im * s
+            rate = -turn * (re * s + im * c)
             d.excitation_knot[at + i] += value
-            d.excitation_knot[at + 6 + i] -= turn * (re * s + im * c)
-            d.excitation_knot[at + 12 + i] -= turn * turn * value
+            d.excitation_knot[at + 6 + i] += rate
+            d.excitation_knot[at + 12 + i] -= square * value
+            d.excitation_knot[at + 18 + i] -= square * rate
 
     d.excitation_key[RING * k + slot] = 2.0 * j + 1.0
 
@@ -58,23 +182,27 @@ def knot(m, d, k, j):
 
 @inlined
 def between(p, a, b, i, s):
-    """Component i of the quintic from knot a to knot b at s from 0 to 1."""
+    """Component i of the polynomial from knot a to knot b at s from 0 to 1."""
     y = p[a + i]
     v = p[a + 6 + i]
     c = 0.5 * p[a + 12 + i]
-    y1 = p[b + i] - (y + v + c)
-    v1 = p[b + 6 + i] - (v + 2.0 * c)
-    c1 = 0.5 * p[b + 12 + i] - c
-    c3 = 10.0 * y1 - 4.0 * v1 + c1
-    c4 = -15.0 * y1 + 7.0 * v1 - 2.0 * c1
-    c5 = 6.0 * y1 - 3.0 * v1 + c1
-    return y + s * (v + s * (c + s * (c3 + s * (c4 + s * c5))))
+    e = p[a + 18 + i] / 6.0
+    y1 = p[b + i] - (y + v + c + e)
+    v1 = p[b + 6 + i] - (v + 2.0 * c + 3.0 * e)
+    c1 = 0.5 * p[b + 12 + i] - (c + 3.0 * e)
+    e1 = p[b + 18 + i] / 6.0 - e
+    c4 = 35.0 * y1 - 15.0 * v1 + 5.0 * c1 - e1
+    c5 = -84.0 * y1 + 39.0 * v1 - 14.0 * c1 + 3.0 * e1
+    c6 = 70.0 * y1 - 34.0 * v1 + 13.0 * c1 - 3.0 * e1
+    c7 = -20.0 * y1 + 10.0 * v1 - 4.0 * c1 + e1
+    return y + s * (v + s * (c + s * (e + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
 @inlined
 def wrench(m, d, k):
     """Of element k on its body at its marker now: (moment N m, force N), inertial axes."""
-    D = m.excitation_step[k]
+    ready(m, d)
+    D = step(d)
     j = math.floor(d.now[0] / D)
     s = d.now[0] / D - j
     a = knot(m, d, k, j)
@@ -115,16 +243,3 @@ def power(m, d):
 def supplied(m, d):
     """W, all of it from the sea."""
     return power(m, d)
-
-
-@inlined
-def elevation(m, d, x, y):
-    """Of the undisturbed sea at (x, y) now (m)."""
-    total = 0.0
-
-    for p in range(m.n_sea_wave):
-        a = 5 * p
-        phase = m.sea_wave[a + 1] * d.now[0] + m.sea_wave[a + 2]
-        total += m.sea_wave[a] * math.cos(phase - m.sea_wave[a + 3] * x - m.sea_wave[a + 4] * y)
-
-    return total

@@ -1,0 +1,197 @@
+"""How the waves of the sea move the water at stations, points that stand still where members start (docs/theory.md 16.19).
+
+Of each: velocity of the water (m/s), its pressure by density (m2/s2), elevation above it (m). Linear waves: velocities along the
+way that a wave travels k g a / omega C cos(theta), upwards -k g a / omega S sin(theta), pressure g a C cos(theta), with
+C, S = cosh, sinh(k (z + depth)) / cosh(k depth). Above the mean surface those of z = 0, or, stretched (Wheeler 1970), everywhere
+those of z' = depth (z - eta) / (depth + eta). Sums of hundreds of components are kept at knots of time with their rates, and
+between two there is a quintic, as in `waves`.
+"""
+
+import math
+
+from ..language import apart, inlined
+from ..signatures import DATA, MODEL, int64, void
+from . import waves
+
+RING = 8
+PER_KNOT = 10
+
+# knots in the shortest of the periods
+KNOTS = 12.0
+
+# k z, below which nothing moves
+DEEPEST = -300.0
+
+# places of what is known of a station
+VELOCITY = 0
+PRESSURE = 3
+ELEVATION = 4
+
+
+@inlined
+def step(d):
+    """s, from knot to knot."""
+    return 2.0 * math.pi / (KNOTS * d.sea_known[5])
+
+
+@inlined
+def fill_elevation(m, d, n, t, at):
+    """Elevation and its rate above station n at time t; cosine and sine of each component there."""
+    x = m.station_r[3 * n]
+    y = m.station_r[3 * n + 1]
+    above = 0.0
+    rate = 0.0
+
+    for p in range(m.n_sea_wave):
+        a = 7 * p
+        omega = d.sea_wave[a + 1]
+        theta = omega * t + d.sea_wave[a + 2] - d.sea_wave[a + 3] * x - d.sea_wave[a + 4] * y
+        c = math.cos(theta)
+        s = math.sin(theta)
+        d.station_turn[2 * p] = c
+        d.station_turn[2 * p + 1] = s
+        above += d.sea_wave[a] * c
+        rate -= d.sea_wave[a] * omega * s
+
+    d.station_knot[at + ELEVATION] = above
+    d.station_knot[at + 5 + ELEVATION] = rate
+
+
+@inlined
+def depth_of(m, z, above, rate):
+    """(z', its rate) at which the water moves as it does at z under an elevation and its rate."""
+    if m.sea_water[3] == 0.0:
+        return min(z, 0.0), 0.0
+
+    depth = m.sea_water[0]
+
+    if z >= above:
+        return 0.0, 0.0
+
+    if depth == 0.0:
+        return z - above, -rate
+
+    share = depth / (depth + above)
+    return share * (z - above), -share * (depth + z) / (depth + above) * rate
+
+
+@inlined
+def fill_motion(m, d, n, at):
+    """What moves at station n, its elevation known."""
+    above = d.station_knot[at + ELEVATION]
+    z, sinking = depth_of(m, m.station_r[3 * n + 2], above, d.station_knot[at + 5 + ELEVATION])
+    g = m.sea_water[1]
+
+    for i in range(4):
+        d.station_knot[at + i] = 0.0
+        d.station_knot[at + 5 + i] = 0.0
+
+    for p in range(m.n_sea_wave):
+        a = 7 * p
+        omega = d.sea_wave[a + 1]
+        k = d.sea_wave[a + 5]
+        c = d.station_turn[2 * p]
+        s = d.station_turn[2 * p + 1]
+        mirrored = d.sea_wave[a + 6]
+        falls = math.exp(max(k * z, DEEPEST))
+        share = g * d.sea_wave[a] / (1.0 + mirrored)
+        C = share * (falls + mirrored / falls)
+        S = share * (falls - mirrored / falls)
+
+        # rates where the station stands, and as z' sinks
+        p_rate = -omega * C * s + k * S * sinking * c
+        up = -k / omega * S * s
+        up_rate = -k / omega * (omega * S * c + k * C * sinking * s)
+
+        for i in range(2):
+            along = d.sea_wave[a + 3 + i] / omega
+            d.station_knot[at + i] += along * C * c
+            d.station_knot[at + 5 + i] += along * p_rate
+
+        d.station_knot[at + 2] += up
+        d.station_knot[at + 7] += up_rate
+        d.station_knot[at + PRESSURE] += C * c
+        d.station_knot[at + 5 + PRESSURE] += p_rate
+
+
+@inlined
+def place(m, slot, n):
+    """Where station n stands in the ring."""
+    return PER_KNOT * (m.n_station * slot + n)
+
+
+@apart(void(MODEL, DATA, int64, int64))
+def fill_knot(m, d, j, slot):
+    """Knot j of all stations into the ring."""
+    t = j * step(d)
+
+    for n in range(m.n_station):
+        at = place(m, slot, n)
+        alike = n > 0 and m.station_r[3 * n] == m.station_r[3 * n - 3]
+
+        # along an upright member the waves are the same
+        if alike and m.station_r[3 * n + 1] == m.station_r[3 * n - 2]:
+            d.station_knot[at + ELEVATION] = d.station_knot[at - PER_KNOT + ELEVATION]
+            d.station_knot[at + 5 + ELEVATION] = d.station_knot[at - PER_KNOT + 5 + ELEVATION]
+        else:
+            fill_elevation(m, d, n, t, at)
+
+        fill_motion(m, d, n, at)
+
+    d.sea_known[6 + slot] = 2.0 * j + 1.0
+
+
+@inlined
+def knot(m, d, j):
+    """The slot of knot j in the ring."""
+    slot = j % RING
+
+    if d.sea_known[6 + slot] != 2.0 * j + 1.0:
+        fill_knot(m, d, j, slot)
+
+    return slot
+
+
+@inlined
+def now(m, d):
+    """(slots of the four knots around now, where now is between the middle two from 0 to 1)."""
+    waves.ready(m, d)
+    D = step(d)
+    j = math.floor(d.now[0] / D)
+    return (knot(m, d, j - 1), knot(m, d, j), knot(m, d, j + 1), knot(m, d, j + 2)), d.now[0] / D - j
+
+
+@inlined
+def bent(p, before, at, after, D):
+    """Half the second derivative by D2 at a knot, of order 4, by values and rates at its neighbours."""
+    return p[after] - 2.0 * p[at] + p[before] - 0.25 * D * (p[after + 5] - p[before + 5])
+
+
+@inlined
+def value(m, d, when, n, i):
+    """(number i of station n, its rate) now; when : of `now`."""
+    slots, s = when
+    p = d.station_knot
+    D = step(d)
+    b = place(m, slots[1], n) + i
+    c = place(m, slots[2], n) + i
+    y = p[b]
+    v = D * p[b + 5]
+    w = bent(p, place(m, slots[0], n) + i, b, c, D)
+    y1 = p[c] - (y + v + w)
+    v1 = D * p[c + 5] - (v + 2.0 * w)
+    w1 = bent(p, b, c, place(m, slots[3], n) + i, D) - w
+    c3 = 10.0 * y1 - 4.0 * v1 + w1
+    c4 = -15.0 * y1 + 7.0 * v1 - 2.0 * w1
+    c5 = 6.0 * y1 - 3.0 * v1 + w1
+    rate = v + s * (2.0 * w + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
+    return y + s * (v + s * (w + s * (c3 + s * (c4 + s * c5)))), rate / D
+
+
+@inlined
+def moves(m, d, when, n):
+    """(velocity m/s, acceleration m/s2) of the water at station n now."""
+    x, ax = value(m, d, when, n, 0)
+    y, ay = value(m, d, when, n, 1)
+    z, az = value(m, d, when, n, 2)
+    return (x, y, z), (ax, ay, az)
