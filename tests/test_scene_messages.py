@@ -883,7 +883,7 @@ output = ["position", "velocity"]
         [
             '[body.a] output: no "acceleraton" here; there is "position", "velocity", "acceleration", '
             '"euler_parameters", "zyx", "zyx_rate", "omega", "alpha", "velocity_body", '
-            '"acceleration_body", "omega_body" and "alpha_body". Did you mean "acceleration"?',
+            '"acceleration_body", "omega_body", "alpha_body" and 1 more. Did you mean "acceleration"?',
         ],
     ),
     (

@@ -187,7 +187,13 @@ class Tracer:
 
     def run(self, module: str, kernel: str, *args):
         """A kernel of m and d, and of what else it takes. Returns what it returns."""
-        return getattr(_kernels()[module], kernel)(self.m, self.d, *args)
+        try:
+            return getattr(_kernels()[module], kernel)(self.m, self.d, *args)
+        except ZeroDivisionError:
+            # that side of a branch is not gone, or the compiled kernel finds infinity there
+            raise Untraceable(
+                "something is divided by a number that is 0 at the state of the trace"
+            ) from None
 
     def written(self, buffer: str) -> dict[int, int]:
         """Place -> node of what was written to a buffer and is not what was there."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from ..kernels.math import tables
 from ..kernels.motion import ellipses
-from .graph import INT, REAL
+from .graph import INT, REAL, Untraceable
 from .plain import plain_function
 from .program.functions import Function, Program
 from .program.shapes import ANY_INT, ANY_REAL, Array
@@ -65,6 +65,15 @@ def _eccentric_anomaly(function):
     return eccentric_anomaly
 
 
+def _kept_waves(function):
+    """`waves.ready`."""
+
+    def ready(m, d):
+        raise Untraceable("the waves of the sea are kept in turn, from one evaluation to the next")
+
+    return ready
+
+
 def _unknown(function):
     """`catenaries.is_known`: what scratch holds is no part of a graph."""
     return lambda *args: False
@@ -99,6 +108,7 @@ VALUES = {"interval": _interval_at, "eccentric_anomaly": _eccentric_anomaly_at}
 REPLACED = {
     "math.tables.interval": _interval,
     "motion.ellipses.eccentric_anomaly": _eccentric_anomaly,
+    "forces.waves.ready": _kept_waves,
     "forces.catenaries.is_known": _unknown,
     "forces.catenaries.know": _forgotten,
     "forces.catenaries.nearby": _from_cold,

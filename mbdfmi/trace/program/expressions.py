@@ -24,8 +24,12 @@ _BINARY = {
     ast.Mod: ("whole_rest", ATOM, operator.mod),
     ast.BitAnd: ("&", _OR, operator.and_),
     ast.BitOr: ("|", _OR, operator.or_),
+    ast.BitXor: ("^", _OR, operator.xor),
+    ast.LShift: ("<<", _OR, operator.lshift),
+    ast.RShift: (">>", _OR, operator.rshift),
     ast.Pow: ("pow", ATOM, operator.pow),
 }
+_BITS = {"&", "|", "^", "<<", ">>"}
 _COMPARISONS = {
     ast.Lt: ("<", _ORDER, operator.lt),
     ast.LtE: ("<=", _ORDER, operator.le),
@@ -289,10 +293,9 @@ class Expressions:
         if not acts and sign == "*" and 1 in (a.only, b.only):
             return b if a.only == 1 else a
 
-        least = ATOM if sign in "&|" else order
-        return Text(
-            found, f"{a.within(least)} {sign} {b.within(least if sign in '&|' else order + 1)}", order, acts
-        )
+        bits = sign in _BITS
+        left, right = (ATOM, ATOM) if bits else (order, order + 1)
+        return Text(found, f"{a.within(left)} {sign} {b.within(right)}", order, acts)
 
     def _comparison(self, ops, operands):
         if any(operand.shape is None for operand in operands):

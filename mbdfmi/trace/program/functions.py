@@ -16,7 +16,7 @@ from .layout_c import lines, without_unread, words
 from .reading import reading
 from .shapes import ANY_INT, Array, Number, Tuple, View, join, loose
 from .statements import Statements
-from .types import KINDS, Types, constant
+from .types import KINDS, WIDE, Types, constant
 
 RUN = "run"
 """The pointer to a run's buffers, as functions take it for `m` and `d`."""
@@ -364,7 +364,13 @@ class Program:
         texts: dict[str, str] = {}
         self._visit(wanted, [], order, texts)
         body = "\n\n".join(texts[function.name] for function in order)
-        return self._declared(f"{body}\n{beside}"), body
+        declared = self._declared(f"{body}\n{beside}")
+
+        if any(function.python.__module__.endswith(WIDE) for function in order):
+            narrow, wide = KINDS[INT], "int64_t"
+            return declared.replace(narrow, wide), body.replace(narrow, wide)
+
+        return declared, body
 
     def _visit(self, functions, above, order, texts):
         for function in functions:

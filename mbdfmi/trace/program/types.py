@@ -7,7 +7,10 @@ from ..graph import BOOL, INT, REAL, Untraceable
 from .shapes import Array, Number, Tuple, as_value
 
 KINDS = {REAL: "double", INT: "int32_t", BOOL: "bool"}
-"""What numbers are in C. Whole numbers count, and are small: 32 bits do on any processor."""
+"""What numbers are in C. Whole numbers count, and are small: 32 bits do on any processor; but see WIDE."""
+
+WIDE = "math.dice"
+"""Where kernels multiply words of 32 bits: where one of these is called whole numbers have 64."""
 
 
 def constant(value) -> str:

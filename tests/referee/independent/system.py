@@ -19,8 +19,11 @@ COUPLINGS = ("gear", "rack", "screw", "linear")
 
 
 def unknown(data):
-    """Names of the joints of a scene that this route has no equations for."""
-    return [
+    """Names of the joints and forces of a scene that this route has no equations for: it knows no waves at members."""
+    waves = "waves" in data.get("sea", {})
+    members = [name for name, table in data.get("force", {}).items() if "member" in table]
+    pushed = [n for n in members if data["force"][n]["member"].get("added_mass") is not None]
+    return (members if waves else pushed) + [
         name
         for name, table in data.get("joint", {}).items()
         if not any(kind in table for kind in joints.KINDS)
