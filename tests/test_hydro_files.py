@@ -111,7 +111,8 @@ def test_wamits_files_are_the_same_body(tmp_path):
     H = response(found.omega)
     assert_near(found.added, INFINITE + H.imag / found.omega[:, None, None], 1e-8 * INFINITE.max())
     assert_near(found.damping, H.real, 1e-8 * np.abs(H.real).max())
-    assert_near(found.exciting([0.7], [np.radians(-30)])[0], exciting(0.7, np.radians(-30)), 1.0)
+    wanted = [[exciting(w, b) for b in found.headings] for w in found.wave_omega]
+    assert_near(found.excitation, np.array(wanted), 1e-8 * np.abs(wanted).max())
     assert_near(found.infinite, INFINITE, 1e-6)
 
 

@@ -1,5 +1,7 @@
 """Lines by nested bisection, and drag on members by adaptive quadrature."""
 
+import itertools
+
 import numpy as np
 from scipy.integrate import quad_vec
 from scipy.optimize import brentq
@@ -124,18 +126,20 @@ class Member:
         way = second - first
         length = np.linalg.norm(way)
         axis = way / length
-        wet = [0.0, 1.0]
-        if first[2] * second[2] < 0:
-            wet[int(first[2] < 0)] = first[2] / (first[2] - second[2])
-        elif max(first[2], second[2]) > 0 and min(first[2], second[2]) >= 0:
-            return np.zeros(3), np.zeros(3), 0.0
-
         total = np.zeros(7)
         nodes = (np.polynomial.legendre.leggauss(2)[0] + 1) / 2
-        spots = [(k + x) / self.sections for k in range(self.sections) for x in nodes]
-        share = (wet[1] - wet[0]) * length / (2 * self.sections)
-        places = [(first + (wet[0] + (wet[1] - wet[0]) * s) * way, share, True) for s in spots]
-        places += [(end, 1.0, False) for end in (first, second) if end[2] <= 0]
+        ends = [first + k / self.sections * way for k in range(self.sections + 1)]
+        places = [(end, 1.0, False) for end in (first, second) if end[2] <= 0]
+
+        # two points on what of each section is under water
+        for low, high in itertools.pairwise(ends):
+            wet = [0.0, 1.0]
+            if low[2] * high[2] < 0:
+                wet[int(low[2] < 0)] = low[2] / (low[2] - high[2])
+            elif max(low[2], high[2]) > 0:
+                continue
+            share = (wet[1] - wet[0]) * length / (2 * self.sections)
+            places += [(low + (wet[0] + (wet[1] - wet[0]) * x) * (high - low), share, True) for x in nodes]
 
         for place, size, lateral in places:
             speed = v + cross(w, place - r)
