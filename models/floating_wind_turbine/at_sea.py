@@ -9,16 +9,15 @@ import argparse
 import sys
 import time
 import tomllib
-from math import cos, pi, sin
+from math import pi
 from pathlib import Path
 
 import numpy as np
 from pythonfmu.builder import FmuBuilder
-from run import operating_point, rest
+from run import page, start_values
 
 import mbdfmi
 from mbdfmi.cosim import CouplingError, System
-from mbdfmi.files import replacing
 
 HERE = Path(__file__).resolve().parent
 COUPLED = HERE.parent / "coupled"
@@ -43,27 +42,21 @@ def voyage(wind=12.0, **sea):
     for key, value in sea.items():
         setattr(scene.sea.waves.jonswap, key, value)
 
-    speed, pitch, thrust = operating_point(wind)
-    surge, heave, tilt = rest(thrust)
+    start = start_values(wind)
+    pitch = start["controller.start_pitch"]
+    parts = {
+        key.removeprefix("turbine."): value for key, value in start.items() if key.startswith("turbine.")
+    }
     tables["fmu"]["controller"] |= {"file": str(CONTROLLER), "parameters": {"start_pitch": pitch}}
     tables["fmu"]["turbine"] = {
         "scene": scene,
-        "parameters": {
-            "wind.velocity[1]": wind,
-            "shaft.speed_start": speed,
-            "rotor.pitch": pitch,
-            "float.position_start[1]": surge,
-            "float.position_start[3]": heave,
-            "float.euler_parameters_start[2]": sin(tilt / 2),
-            "float.euler_parameters_start[4]": cos(tilt / 2),
-        },
+        "parameters": parts | {"wind.velocity[1]": wind, "rotor.pitch": pitch},
     }
     return System(**tables)
 
 
 def draw(results, path, title):
     """The voyage on one page."""
-    from matplotlib.figure import Figure
 
     def get(name):
         return results[f"turbine.{name}"]
@@ -82,25 +75,7 @@ def draw(results, path, title):
         ("torque of the wind, MN m", {"": get("rotor.torque") / 1e6}),
         ("electric power, MW", {"": results["controller.power"] / 1e6}),
     ]
-    figure = Figure(figsize=(11, 12), layout="constrained")
-    axes = figure.subplots(len(panels) // 2, 2, sharex=True)
-
-    for axis, (name, curves) in zip(axes.T.flat, panels):
-        for label, curve in curves.items():
-            axis.plot(results["time"], curve, linewidth=0.9, label=label)
-        if len(curves) > 1:
-            axis.legend(loc="upper right", ncols=3, fontsize="small")
-        axis.set_title(name, loc="left", fontsize="medium")
-        axis.grid(alpha=0.3)
-        axis.margins(x=0)
-
-    for axis in axes[-1]:
-        axis.set_xlabel("time, s")
-
-    figure.suptitle(title)
-
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=120, format="png")
+    page(results["time"], panels, path, title)
 
 
 def main():

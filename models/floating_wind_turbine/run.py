@@ -97,8 +97,6 @@ def start_values(wind):
 
 def plot(results, path, title):
     """The voyage on one page."""
-    from matplotlib.figure import Figure
-
     platform, turn = results["turbine.platform.position"], np.degrees(results["turbine.platform.zyx"])
     panels = [
         ("wave elevation, m", {"": results["sea.elevation"]}),
@@ -110,11 +108,18 @@ def plot(results, path, title):
         ("thrust, kN", {"": results["rotor.thrust"] / 1e3}),
         ("electric power, MW", {"": results["controller.power"] / 1e6}),
     ]
-    figure = Figure(figsize=(11, 10), layout="constrained")
+    page(results["time"], panels, path, title)
+
+
+def page(time, panels, path, title):
+    """A page of panels (title, curves by label) over time (s), down the left column, then the right."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 2 + len(panels)), layout="constrained")
     axes = figure.subplots(len(panels) // 2, 2, sharex=True)
     for axis, (name, curves) in zip(axes.T.flat, panels):
         for label, curve in curves.items():
-            axis.plot(results["time"], curve, linewidth=0.9, label=label)
+            axis.plot(time, curve, linewidth=0.9, label=label)
         if len(curves) > 1:
             axis.legend(loc="upper right", ncols=3, fontsize="small")
         axis.set_title(name, loc="left", fontsize="medium")
