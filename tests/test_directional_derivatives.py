@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fmu_host import ERROR, OK, Instance, Library
 from numpy.polynomial import chebyshev
-from scipy.linalg import solve_continuous_are
+from scipy.linalg import expm, solve_continuous_are, solve_discrete_are
 from test_model_exchange import SCENES, Solver
 
 from mbdfmi import Scene
@@ -41,7 +41,7 @@ def cart(tmp_path_factory):
                 "prismatic": {"axis": "x"},
                 "between": ["ground", "cart"],
                 "input": "force",
-                "output": ["acceleration"],
+                "output": ["position", "acceleration"],
             },
             "hinge": {
                 "revolute": {"axis": "y"},
@@ -121,6 +121,42 @@ def test_a_cart_pole_is_balanced_by_its_own_derivatives(cart):
         assert fmu.set({"rail.force": float(-(K @ x)[0])}) == fmu.step(i * 0.01, 0.01) == OK
 
     np.testing.assert_allclose(fmu.get(*STATES)[1], 0, atol=1e-3)
+    fmu.free()
+
+
+def test_a_cart_pole_is_balanced_by_what_it_shows(cart):
+    """A controller designed from A, B, C, D of the FMU alone: states are estimated from three sensors, one of which (an
+    accelerometer) feels the force at once. It balances the FMU itself, 15 degrees off at first, which it is not told.
+    """
+    shown, h = ["rail.position", "hinge.angle", "rail.acceleration"], 0.01
+    model = Solver(cart)
+    A, B = columns(model.fmu, RATES, STATES), columns(model.fmu, RATES, ["rail.force"])
+    C, D = columns(model.fmu, shown, STATES), columns(model.fmu, shown, ["rail.force"])
+    model.fmu.free()
+    np.testing.assert_allclose(C, [[1, 0, 0, 0], [0, 1, 0, 0], [0, -m * G / M, 0, 0]], rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(D, [[0], [0], [1 / M]], rtol=1e-10, atol=1e-10)
+
+    # from one communication point to the next, the force held
+    both = expm(h * np.block([[A, B], [np.zeros((1, 5))]]))
+    F, H = both[:4, :4], both[:4, 4:]
+    P = solve_discrete_are(F, H, np.diag([1.0, 10, 1, 1]), [[0.1]])
+    K = np.linalg.solve(0.1 + H.T @ P @ H, H.T @ P @ F)
+    noise = np.diag([1e-6, 1e-6, 1e-2])
+    S = solve_discrete_are(F.T, C.T, 1e-6 * np.eye(4), noise)
+    gain = S @ C.T @ np.linalg.inv(C @ S @ C.T + noise)
+
+    fmu, guess, force = Instance(cart), np.zeros(4), 0.0
+    assert fmu.set({"hinge.angle_start": np.radians(15)}) == OK
+    fmu.start()
+    for i in range(1500):
+        seen = np.array(fmu.get(*shown)[1])
+        guess = guess + gain @ (seen - C @ guess - D[:, 0] * force)
+        force = float(-(K @ guess)[0])
+        assert fmu.set({"rail.force": force}) == fmu.step(i * h, h) == OK
+        guess = F @ guess + H[:, 0] * force
+
+    np.testing.assert_allclose(fmu.get(*STATES)[1], 0, atol=1e-3)
+    np.testing.assert_allclose(guess, 0, atol=1e-3)
     fmu.free()
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from ..files import replacing
 from ..native import library as native
+from ..native import platforms
 from ..native.platforms import PLATFORMS, Platform
 from ..native.sources import cache_directory, source_hash
 from . import aot, header, standard
@@ -102,7 +103,7 @@ def _wrapper_files() -> list[Path]:
     wrapper = sorted(wrapper_folder().glob("*.[ch]"))
     headers = sorted(_headers().glob("fmi[23]*.h"))
 
-    return [*wrapper, *headers, Path(__file__)]
+    return [*wrapper, *headers, Path(__file__), Path(platforms.__file__)]
 
 
 def _hash(files: list[Path], *texts: str) -> str:

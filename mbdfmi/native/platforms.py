@@ -19,16 +19,18 @@ _MACOS = ("-Wl,-install_name,@rpath/fmu.dylib",)
 
 PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ("linux64",), "x86_64-linux", ".so"),
-    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux",), "aarch64-linux", ".so"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", ("aarch64-linux", "linux64"), "aarch64-linux", ".so"),
     "x86_64-windows": Platform("x86_64-windows-gnu", ("win64",), "x86_64-windows", ".dll"),
-    "x86_64-macos": Platform("x86_64-macos", ("darwin64",), "x86_64-darwin", ".dylib", _MACOS),
+    "x86_64-macos": Platform("x86_64-macos.11.0", ("darwin64",), "x86_64-darwin", ".dylib", _MACOS),
     "aarch64-macos": Platform(
-        "aarch64-macos", ("aarch64-darwin", "darwin64"), "aarch64-darwin", ".dylib", _MACOS
+        "aarch64-macos.11.0", ("aarch64-darwin", "darwin64"), "aarch64-darwin", ".dylib", _MACOS
     ),
 }
 """Platforms that a library can be linked for, on any of them.
 
-darwin64 is Intel's by the standard, but some tools look nowhere else on the newer Macs.
+darwin64 and linux64 are Intel's by the standard, but some tools (fmpy) look nowhere else on machines of
+ARM. Where an FMU is for both processors linux64 is Intel's, and darwin64 serves both. Macs: from macOS 11 on,
+the first for ARM.
 """
 
 
