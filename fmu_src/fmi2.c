@@ -8,6 +8,7 @@
 #include "exchange.h"
 #include "fmi2Functions.h"
 #include "instance.h"
+#include "rest.h"
 #include "snapshot.h"
 #include "variables.h"
 
@@ -175,13 +176,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
         derivatives_along(c, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown));
 }
 
-/* All variables are Real: any reference to another type is refused. */
+/* No variable is of another type: any reference is refused. */
 static fmi2Status no_variable(Instance *c, const fmi2ValueReference vr[], size_t nvr,
                               const char *type)
 {
     if (nvr == 0) return fmi2OK;
     if (!vr) REFUSE("NULL instead of an array");
-    REFUSE("value reference %u is no %s: all variables of this FMU are Real", vr[0], type);
+    REFUSE("value reference %u is no %s: this FMU has none", vr[0], type);
 }
 
 fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
@@ -196,8 +197,10 @@ fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference vr[]
                           fmi2Boolean value[])
 {
     ENTER(component, READABLE);
-    (void)value;
-    return no_variable(c, vr, nvr, "Boolean");
+    Status result = rest_check_references(c, vr, nvr, value, "Boolean");
+
+    for (size_t i = 0; i < nvr && result == STATUS_OK; i++) value[i] = c->core->rests != 0;
+    return status_of(result);
 }
 
 fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,
@@ -220,8 +223,11 @@ fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference vr[]
                           const fmi2Boolean value[])
 {
     ENTER(component, WRITABLE);
-    (void)value;
-    return no_variable(c, vr, nvr, "Boolean");
+    Status result = rest_check_references(c, vr, nvr, value, "Boolean");
+
+    for (size_t i = 0; i < nvr && result == STATUS_OK; i++)
+        result = rest_set(c, value[i] != fmi2False);
+    return status_of(result);
 }
 
 fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference vr[], size_t nvr,

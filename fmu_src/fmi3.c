@@ -6,6 +6,7 @@
 #include "exchange.h"
 #include "fmi3_calls.h"
 #include "intermediate.h"
+#include "rest.h"
 #include "snapshot.h"
 #include "variables.h"
 
@@ -177,6 +178,32 @@ fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueR
 {
     ENTER(WRITABLE);
     return status_of(variables_set_arrays(c, valueReferences, nValueReferences, values, nValues));
+}
+
+fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, fmi3Boolean values[], size_t nValues)
+{
+    ENTER(ANY_MODE | INTERMEDIATE);
+    Status result = rest_check_references(c, valueReferences, nValueReferences, values, "Boolean");
+
+    if (result == STATUS_OK && nValues != nValueReferences)
+        REFUSE("%zu values for variables of %zu", nValues, nValueReferences);
+    for (size_t i = 0; i < nValueReferences && result == STATUS_OK; i++)
+        values[i] = c->core->rests != 0;
+    return status_of(result);
+}
+
+fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, const fmi3Boolean values[], size_t nValues)
+{
+    ENTER(WRITABLE);
+    Status result = rest_check_references(c, valueReferences, nValueReferences, values, "Boolean");
+
+    if (result == STATUS_OK && nValues != nValueReferences)
+        REFUSE("%zu values for variables of %zu", nValues, nValueReferences);
+    for (size_t i = 0; i < nValueReferences && result == STATUS_OK; i++)
+        result = rest_set(c, values[i]);
+    return status_of(result);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],

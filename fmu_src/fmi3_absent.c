@@ -30,7 +30,6 @@ NO_VARIABLES(Int32)
 NO_VARIABLES(UInt32)
 NO_VARIABLES(Int64)
 NO_VARIABLES(UInt64)
-NO_VARIABLES(Boolean)
 NO_VARIABLES(String)
 
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],

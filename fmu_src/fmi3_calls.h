@@ -29,13 +29,13 @@ static inline fmi3Status status_of(Status status)
 
 #define REFUSE(...) return status_of(instance_refuse(c, __VA_ARGS__))
 
-/* All variables are Float64: any reference to another type is refused. */
+/* No variable is of another type but those of fmi3.c: any reference is refused. */
 static inline fmi3Status no_variable(Instance *c, const fmi3ValueReference vr[], size_t n,
                                      const char *type)
 {
     if (n == 0) return fmi3OK;
     if (!vr) REFUSE("NULL instead of an array");
-    REFUSE("value reference %u is no %s: all variables of this FMU are Float64", vr[0], type);
+    REFUSE("value reference %u is no %s: this FMU has none", vr[0], type);
 }
 
 #endif

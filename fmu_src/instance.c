@@ -10,6 +10,7 @@
 #include "aside.h"
 #include "columns.h"
 #include "kernels.h"
+#include "rest.h"
 #include "tolerance.h"
 #include "traced.h"
 
@@ -96,6 +97,27 @@ static void tell_notices(Instance *c, Status severity, const char *doing)
 
 /* ---- kernels ---- */
 
+double *instance_x(const Instance *c)
+{
+    return in_state(c, AT_x);
+}
+
+static size_t size_of_x(const Instance *c)
+{
+    return (size_t)c->ints[COUNT_n_x] * sizeof(double);
+}
+
+/* Puts the state at rest, and on the constraints as they are with the present parameters. */
+static Status take_rest(Instance *c)
+{
+    void *excinfo;
+    int64_t status = CODE_OK;
+
+    memcpy(instance_x(c), c->resource.rest, size_of_x(c));
+    int32_t broken = mbdfmi_lead(&status, &excinfo, M_OF(c), D_OF(c));
+    return report(c, STATUS_ERROR, "start at rest", broken, status);
+}
+
 /* Brings the state up to date with the parameters and, before the simulation, the start values. */
 Status instance_prepare(Instance *c)
 {
@@ -118,25 +140,17 @@ Status instance_prepare(Instance *c)
             tell_notices(c, STATUS_ERROR, "initialisation");
             return result;
         }
+        if (c->core->rests) result = take_rest(c);
+        if (result != STATUS_OK) return result;
         c->core->started = 1;
     }
     return STATUS_OK;
-}
-
-double *instance_x(const Instance *c)
-{
-    return in_state(c, AT_x);
 }
 
 void instance_changed(Instance *c)
 {
     c->current = c->is_led = c->is_rated = c->is_indicated = false;
     c->point++;
-}
-
-static size_t size_of_x(const Instance *c)
-{
-    return (size_t)c->ints[COUNT_n_x] * sizeof(double);
 }
 
 /* A solver outside may try again from nearer by. */
@@ -325,6 +339,7 @@ static void restart(Instance *c)
     memcpy(c->u, r->u_start, (size_t)r->n.u * sizeof(double));
     c->core->stop_time = c->core->event_time = INFINITY;
     c->core->mode = INSTANTIATED;
+    c->core->rests = r->n.rests;
     instance_changed(c);
 }
 
@@ -464,6 +479,7 @@ Status instance_start(Instance *c)
     const Resource *r = &c->resource;
     Status result = instance_prepare(c);
 
+    if (result == STATUS_OK) result = rest_check(c);
     if (result != STATUS_OK) return result;
     c->core->mode = c->exchanges ? EVENT : STEP_COMPLETE;
     c->point++; /* parameters no longer act on the start */

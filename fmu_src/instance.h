@@ -35,6 +35,7 @@ typedef struct {
     int64_t prepared;             /* 1: the state knows the present parameters */
     int64_t started;              /* 1: the state follows from the present start values */
     int64_t told_tolerances;      /* a bit for each tolerance that was set as a parameter */
+    int64_t rests;                /* 1: it starts at rest, as the resource has it */
 } Core;
 
 typedef struct Instance {

@@ -1,6 +1,7 @@
 #include "resource.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -262,6 +263,18 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
     return true;
 }
 
+/* Takes the start at rest from `data` on; false when it is none. */
+static bool take_rest(Resource *r, const unsigned char *data)
+{
+    r->rest = (const double *)data;
+    r->rest_rates = r->rest + r->n.rest;
+    if (r->n.rest != 0 && r->n.rest != r->ints[COUNT_n_x]) return false;
+    if (r->n.rests > (r->n.rest > 0)) return false;
+    for (int64_t i = 0; i < 2 * r->n.rest; i++)
+        if (!isfinite(r->rest[i])) return false;
+    return true;
+}
+
 /* Sets the pointers into r->data, trusting no size in it. */
 static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 {
@@ -281,7 +294,7 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     int64_t n_strings = r->n.variables + r->n.places + 2 * r->n.messages + r->n.notices;
     int64_t room = (int64_t)(length - sizeof start) - SHA256_SIZE;
 
-    room -= tape_size(&r->n);
+    room -= tape_size(&r->n) + 16 * r->n.rest;
     if (n_numbers > room / 8 || n_strings > room - 8 * n_numbers)
         return fail(why, why_size, "its sizes do not agree with its length");
 
@@ -300,7 +313,10 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 
     if (!tape_take(r, tape)) return fail(why, why_size, "its tape is damaged");
 
-    const char *text = (const char *)tape + tape_size(&r->n);
+    if (!take_rest(r, tape + tape_size(&r->n)))
+        return fail(why, why_size, "its start at rest is damaged");
+
+    const char *text = (const char *)(r->rest + 2 * r->n.rest);
     const char *end = (const char *)(r->data + length);
 
     r->names = malloc((size_t)(n_strings + 1) * sizeof *r->names);

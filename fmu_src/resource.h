@@ -10,6 +10,8 @@
      unsigned char told[32]: a digest of what modelDescription.xml says of the variables
      the tape (tape.h): double constants[n.constants]; Operation operations[n.operations];
      TapeGuard guards[n.guards]; int32 results[n.results]; zeros up to a multiple of 8 bytes
+     double rest[n.rest], rest_rates[n.rest]: the state at rest and x' there, where a start there is
+     offered; n.rests: 1 where it is that of runs that say nothing else
      NUL-terminated UTF-8: names of the variables, n.places places, for each of the n.messages
      messages its code in decimal and its text, n.notices notices
 
@@ -49,6 +51,8 @@ typedef struct {
     const Operation *operations;
     const TapeGuard *guards; /* the first n.led_guards: of the way to the constraints */
     const int32_t *results;  /* operations of x', then of the outputs; none without a tape */
+
+    const double *rest, *rest_rates; /* n.rest each, which is n_x or 0 */
 
     const char **names; /* of the variables */
     const char **places;

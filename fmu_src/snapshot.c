@@ -7,7 +7,7 @@
 #include "crc32.h"
 #include "kernels.h"
 
-#define VERSION 3
+#define VERSION 4
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 
@@ -148,6 +148,7 @@ static bool is_possible(const Instance *c, const Core *core)
         && mode != STEP_FAILED && mode != TERMINATED && mode != EVENT && mode != CONTINUOUS_TIME)
         return false;
     if (isnan(core->event_time)) return false;
+    if ((core->rests | 1) != 1 || core->rests > (r->n.rest > 0)) return false;
     if ((core->prepared | core->started | 1) != 1 || (core->told_tolerances | 3) != 3) return false;
     if (mode != INSTANTIATED && mode != INITIALIZATION && !core->started) return false;
     if (!(isfinite(core->start_time) && isfinite(core->time) && core->stop_time >= core->start_time

@@ -126,6 +126,40 @@ class Scene(_scene.SceneData):
 
         return Run.of(simulate(model, until, step, inputs, parameters, **options))
 
+    def _for_fmu(self, at_rest=False, progress=None):
+        """(the model of its FMU, that of a scene which starts as the FMU does).
+
+        at_rest : whether the FMU is to offer a start at rest, as it does anyhow where the scene starts so.
+        """
+        asked = self.solver.start == "equilibrium"
+
+        if not (asked or at_rest):
+            model = self.compile()
+            return model, model
+
+        from .analysis.equilibrium import NoEquilibrium
+        from .analysis.starting import Starting, resting
+        from .compiler.model import with_values
+
+        start = Starting(self._whole(), {}, {}) if asked else self._starting()
+        model = self._started(start)
+
+        try:
+            found = resting(model, start, asked)
+        except NoEquilibrium as error:
+            asks = '[solver] start = "equilibrium"' if asked else "at_rest (--at-rest)"
+            raise NoEquilibrium(f"{f'{self._file}: ' if self._file else ''}{asks}: {error}") from None
+
+        offering, there, notices = found
+
+        if asked:
+            return with_values(offering, {}, notices), there
+
+        for text in notices if progress else ():
+            progress(f"at rest: {text}")
+
+        return offering, offering
+
     def _bound(self, model, names):
         """The model with parameters as constants, by default those of [code] in the scene."""
         from .trace.binding import bound
@@ -146,7 +180,7 @@ class Scene(_scene.SceneData):
         """
         from .view.recorder import Recorder
 
-        return Recorder(self.compile())
+        return Recorder(self._for_fmu()[0])
 
     def _repr_html_(self):
         """In a notebook: the scene as it is assembled."""
@@ -246,7 +280,9 @@ class Scene(_scene.SceneData):
 
         return structure(self._whole())
 
-    def export(self, path=None, platforms=None, *, with_scene=True, bind=None, **options) -> Path:
+    def export(
+        self, path=None, platforms=None, *, with_scene=True, bind=None, at_rest=False, **options
+    ) -> Path:
         """Write the scene as an FMU and return its path; see `mbdfmi.export.export_fmu`. Icon and page
         show the scene, where it can be assembled.
 
@@ -258,17 +294,20 @@ class Scene(_scene.SceneData):
         with_sources : among the options, True for its code in C99 too, in sources/.
         bind : names of parameters that are constants of the FMU; by default these three are as [code] in the
         scene says.
+        at_rest : whether it gets the Boolean parameter `solver.start_at_equilibrium`, false at first; with
+        `[solver] start = "equilibrium"` it has it anyhow, true at first. Raises NoEquilibrium.
         """
         from .export import export_fmu
 
-        model = self._bound(self.compile(), bind)
+        model, shown = self._for_fmu(at_rest, options.get("progress"))
+        model = self._bound(model, bind)
 
         for option, asked in (("specialise", self.code.specialise), ("with_sources", self.code.sources)):
             if options.get(option) is None:
                 options[option] = asked
 
         path = Path(path) if path else Path(f"{model.identifier}.fmu")
-        pictures = self._pictures(model, options.get("progress"))
+        pictures = self._pictures(shown, options.get("progress"))
         file = self._file if with_scene else None
         return export_fmu(model, path, platforms, scene_file=file, pictures=pictures, **options)
 

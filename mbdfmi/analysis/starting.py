@@ -2,12 +2,19 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from ..compiler.model import Model, RestingStart, compile_scene, with_values
+from ..kernels import exchange
+from ..run.instance import Instance
 from ..scene import SceneData, variable_name
 from ..scene.errors import listed
 from .equilibrium import NoEquilibrium
-from .rest import equilibrium
+from .manifold import Manifold
+from .places import mechanism_of
+from .rest import equilibrium, observed, started_moving
 from .trim import trim
 
 START_VALUE = re.compile(r"_start(\[\d+\])?$")
@@ -68,6 +75,49 @@ def starting(
             raise ValueError(f"[solver.trim] {text}") from None
 
         raise
+
+
+def resting(model: Model, given: Starting, asked: bool) -> tuple[Model, Model, list[str]]:
+    """A model whose FMU offers to start at its static equilibrium, the model of the scene that starts there,
+    and what a user should be told of it.
+
+    model : of `given`, whose start the search for the equilibrium begins at. asked : whether the FMU starts
+    at rest where nothing else is said. Raises NoEquilibrium.
+    """
+    rest = equilibrium(given.scene, hold=given.hold, parameters=given.parameters)
+    there = compile_scene(rest.scene)
+
+    if not _are_alike(model, there):
+        # bodies apart: which angles are states follows from what starts are given
+        model = with_values(compile_scene(_assembled(given)), given.found)
+        assert _are_alike(model, there)
+
+    kept = {name: value for name, value in given.parameters.items() if not START_VALUE.search(name)}
+    x = Instance(there, kept).d.x.copy()
+    seen = Instance(model)
+    seen.d.x[:] = x
+    exchange.rates_now(seen.m, seen.d)
+    return replace(model, rest=RestingStart(x, seen.d.x_rate.copy(), asked)), there, rest.notices
+
+
+def _assembled(given):
+    """The scene with all of its start told, as it is once its loops are closed."""
+    mechanism = mechanism_of(observed(given.scene), given.hold, given.parameters)
+    names = (v.name for v in mechanism.model.of_causality("output"))
+    values = dict(zip(names, mechanism.instance.outputs().tolist()))
+    return started_moving(given.scene, values, Manifold(mechanism))
+
+
+def _are_alike(model, other):
+    """Whether the states of two models are the same ones."""
+    if model.n_x != other.n_x or len(model.tree.nodes) != len(other.tree.nodes):
+        return False
+
+    return all(
+        (a.joint, a.part, a.kind, a.parent, a.reversed) == (b.joint, b.part, b.kind, b.parent, b.reversed)
+        and all(np.array_equal(x, y) for x, y in zip(a.joint_frame, b.joint_frame))
+        for a, b in zip(model.tree.nodes, other.tree.nodes)
+    )
 
 
 def _trimmed(scene, hold, parameters, kept, time):

@@ -47,6 +47,19 @@ from .variables import Variable, reference_table
 
 
 @dataclass(frozen=True)
+class RestingStart:
+    """A start at rest that a run of an FMU may be asked for.
+
+    x : (n_x,) the state there. rates : (n_x,) x' there, at the start values of all parameters and inputs.
+    asked : whether runs start there that say nothing else.
+    """
+
+    x: np.ndarray
+    rates: np.ndarray
+    asked: bool
+
+
+@dataclass(frozen=True)
 class Model:
     """A scene made ready for the kernels.
 
@@ -62,6 +75,7 @@ class Model:
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     notices : what a user should be told of the scene, and of what was made of it.
     formulation : "recursive", "embedding", "augmented", or "apart" (partition.py).
+    rest : the start at rest that its FMU offers, if it does.
     """
 
     scene: SceneData
@@ -82,6 +96,7 @@ class Model:
     coordinates: dict[tuple[str, int], int]
     notices: list[str]
     formulation: str = "recursive"
+    rest: RestingStart | None = None
 
     def __getattr__(self, name):
         """Counts of the layout table by name, e.g. `model.n_v`."""

@@ -244,6 +244,33 @@ def _variables(root, model) -> None:
         if variable.causality == "rate":
             real.set("derivative", str(states[variable.index]))
 
+    if model.rest:
+        element = etree.SubElement(
+            variables, "ScalarVariable", **REST, valueReference=str(reference_of_rest(model))
+        )
+        etree.SubElement(element, "Boolean", start=start_of_rest(model))
+
+
+REST = {
+    "name": "solver.start_at_equilibrium",
+    "description": "Whether it starts at the static equilibrium of the scene; start values of joints do not "
+    "act then",
+    "causality": "parameter",
+    "variability": "fixed",
+    "initial": "exact",
+}
+"""The Boolean parameter of a model that offers a start at rest."""
+
+
+def reference_of_rest(model) -> int:
+    """Its value reference: behind the numbers, and the time of FMI 3.0 (fmu_src/rest.c)."""
+    return len(model.listed) + 1
+
+
+def start_of_rest(model) -> str:
+    """Its start value."""
+    return "true" if model.rest.asked else "false"
+
 
 def _structure(root, model) -> None:
     """Which outputs there are and what they depend on; indices count from 1.
@@ -259,6 +286,7 @@ def _structure(root, model) -> None:
     states = [k for k, v in numbered if v.causality == "state"]
     inputs = len(model.of_causality("input"))
     parameters = [k for k, v in numbered if v.causality == "parameter"]
+    parameters += [len(numbered) + 1] if model.rest else []
     partial = [v for _, v in outputs if len(v.depends) < inputs]
     lists = sum(len(v.depends) + len(parameters) for v in partial) <= MOST_LISTED
     all_parameters = " ".join(map(str, parameters))

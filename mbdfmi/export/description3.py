@@ -13,6 +13,7 @@ from . import limits
 from .description import (
     INITIAL,
     MOST_LISTED,
+    REST,
     add_experiment,
     add_log_categories,
     add_types,
@@ -20,8 +21,10 @@ from .description import (
     causality_in_fmi,
     checked,
     output_order,
+    reference_of_rest,
     set_limits,
     set_type,
+    start_of_rest,
     texts_of,
 )
 
@@ -44,7 +47,7 @@ def description3(model, sources: Sequence[str] = ()) -> bytes:
     add_log_categories(root)
     add_experiment(root, model.scene)
     _variables(root, model, found)
-    _structure(root, found)
+    _structure(root, found, [reference_of_rest(model)] if model.rest else [])
     return checked(root, model, 3)
 
 
@@ -123,6 +126,10 @@ def _variables(root, model, found: list[ArrayVariable]) -> None:
         declaredType="Time",
     )
 
+    if model.rest:
+        reference = str(reference_of_rest(model))
+        etree.SubElement(variables, "Boolean", **REST, valueReference=reference, start=start_of_rest(model))
+
 
 def _units_by_rows(array: ArrayVariable) -> str:
     """What a description says of elements with several units."""
@@ -135,8 +142,10 @@ def _units_by_rows(array: ArrayVariable) -> str:
     return f" (units by rows: {'; '.join(rows)})"
 
 
-def _structure(root, found: list[ArrayVariable]) -> None:
-    """Which outputs there are and what they depend on, by value references, as `description` says it for scalars."""
+def _structure(root, found: list[ArrayVariable], booleans: list[int]) -> None:
+    """Which outputs there are and what they depend on, by value references, as `description` says it for
+    scalars; booleans : those of parameters that are no numbers.
+    """
     structure = etree.SubElement(root, "ModelStructure")
     whole = {array.first + k: array.first for array in found for k in range(len(array.elements))}
     of = {causality: [a for a in found if a.elements[0].causality == causality] for causality in CAUSALITIES}
@@ -144,7 +153,7 @@ def _structure(root, found: list[ArrayVariable]) -> None:
     known = {a.first: sorted({whole[k] for v in a.elements for k in v.depends}) for a in outputs}
     partial = [given for given in known.values() if len(given) < len(inputs)]
     lists = sum(len(given) + len(parameters) for given in partial) <= MOST_LISTED
-    all_parameters = [array.first for array in parameters]
+    all_parameters = [*(array.first for array in parameters), *booleans]
 
     for array in outputs:
         led = sorted({whole[k] for v in array.elements for k in v.led_by})

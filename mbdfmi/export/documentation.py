@@ -6,7 +6,7 @@ from lxml import html
 from lxml.builder import E
 
 from ..steppers import STEPPERS
-from .description import generation_time, tool_version
+from .description import REST, generation_time, start_of_rest, tool_version
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1c2b3a; max-width: 62em; margin: 2em auto }
@@ -117,6 +117,9 @@ def _variables(model, causality: str) -> list:
         head += ["Value", "Variability"]
         for row, v in zip(rows, variables):
             row += [f"{v.start:.10g}", v.variability]
+
+    if causality == "parameter" and model.rest:
+        rows.append([E.code(REST["name"]), "", REST["description"], start_of_rest(model), "fixed"])
 
     return _section(heading, head, rows, text)
 

@@ -3,19 +3,22 @@
 import struct
 import zlib
 
+import numpy as np
+
 from ..compiler.model import SEALED_SIZES, sealed
 from .tape import NONE, Tape
 
 NAME = "model.bin"
 MAGIC = b"mbdfmi\0\1"
-VERSION = 6
+VERSION = 7
 TAPE_SIZES = ("operations", "constants", "guards", "led_guards", "results")
-SIZES = (*SEALED_SIZES, "places", "messages", "notices", *TAPE_SIZES)
+REST_SIZES = ("rest", "rests")
+SIZES = (*SEALED_SIZES, "places", "messages", "notices", *TAPE_SIZES, *REST_SIZES)
 GUID_SIZE = 64
 
 
 def resource(model, messages: dict[int, str], tape: Tape = NONE) -> bytes:
-    """The resource file of a model: sizes, arrays, variables, tape, names; `messages` are texts of status codes.
+    """The resource file of a model: sizes, arrays, variables, tape, start at rest, names; `messages` are texts of status codes.
 
     The layout (little endian) is described in fmu_src/resource.h.
     """
@@ -25,9 +28,12 @@ def resource(model, messages: dict[int, str], tape: Tape = NONE) -> bytes:
     strings += model.notices
 
     sizes, numbers = sealed(model)
-    body = sizes + struct.pack("<8q", len(model.places), len(messages), len(model.notices), *tape.sizes)
+    rest = np.stack([model.rest.x, model.rest.rates]) if model.rest else np.zeros((2, 0))
+    rests = rest.shape[1], int(bool(model.rest and model.rest.asked))
+    counts = len(model.places), len(messages), len(model.notices), *tape.sizes, *rests
+    body = sizes + struct.pack(f"<{len(counts)}q", *counts)
     body += model.guid.encode().ljust(GUID_SIZE, b"\0")
-    body += numbers + tape.data()
+    body += numbers + tape.data() + rest.astype("<f8").tobytes()
     body += b"".join(text.encode() + b"\0" for text in strings)
 
     return MAGIC + struct.pack("<IIQ", VERSION, zlib.crc32(body), len(body)) + body

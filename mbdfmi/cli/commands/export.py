@@ -66,6 +66,12 @@ some minutes; later ones take a second.""",
         "its own code is faster still (docs/specialise.md)",
     )
     command.add_argument(
+        "--at-rest",
+        action="store_true",
+        help="give the FMU a Boolean parameter, solver.start_at_equilibrium, false at first, that starts it "
+        'at the static equilibrium; scenes with start = "equilibrium" have it anyhow, true at first',
+    )
+    command.add_argument(
         "--platform",
         action="append",
         metavar="NAME",
@@ -106,6 +112,7 @@ def run(options):
                         specialise=options.specialise,
                         with_sources=options.sources,
                         bind=options.bind and options.bind.split(","),
+                        at_rest=options.at_rest,
                         progress=_about(file, tell),
                     )
 
