@@ -11,6 +11,7 @@ from typing import Any
 import fmpy
 
 from ..scene.errors import SceneError
+from .conversions import Made
 from .errors import CouplingError
 from .schema import Fmu
 from .signals import Capabilities, Signal, Structure, capabilities, signals_of, structure_of, version_of
@@ -36,6 +37,11 @@ class Member:
 
     def depends(self, output: Signal, at_start: bool = False) -> tuple[str, ...] | None:
         """Names of the inputs that a signal depends on at once; None: it is not told, perhaps all."""
+        if isinstance(output, Made):
+            found = [self.depends(source, at_start) for source in output.sources]
+            names = [name for told in found for name in told or ()]
+            return None if None in found else tuple(dict.fromkeys(names))
+
         told = self.structure.at_start if at_start else self.structure.during
         if output.name in told:
             return told[output.name]

@@ -12,6 +12,8 @@ import scipy
 from ..compiler.variables import array_of, hint, meant
 from ..scene import variable_name
 from ..scene.errors import listed, show
+from . import conversions
+from .conversions import Conversion, Made, makes, takes
 from .errors import CouplingError
 from .measures import conversion
 from .members import Member
@@ -57,18 +59,25 @@ class Feed:
 @dataclass
 class Block:
     """Where the signals of one FMU are in a vector: from `first` on, `n` values; `signals` and their places in all of the
-    vector.
+    vector. made : conversions of them, whose results stand behind, and have places too.
     """
 
     first: int
     n: int
     signals: list[Signal]
     places: dict[Signal, int] = field(default_factory=dict)
+    made: list[Conversion] = field(default_factory=list)
+
+    def add(self, conversion: Conversion):
+        """Puts the results of a conversion behind all else."""
+        first = self.slice.stop
+        self.made.append(conversion)
+        self.places |= {result: first + k for k, result in enumerate(conversion.results)}
 
     @property
     def slice(self) -> slice:
         """Of the vector."""
-        return slice(self.first, self.first + self.n)
+        return slice(self.first, self.first + self.n + sum(len(c.results) for c in self.made))
 
 
 class Network:
@@ -80,19 +89,30 @@ class Network:
     discrete : feeds of other types than doubles.
     """
 
-    def __init__(self, members: dict[str, Member], feeds: list[Feed], record: list[tuple[str, Signal]]):
+    def __init__(
+        self,
+        members: dict[str, Member],
+        feeds: list[Feed],
+        record: list[tuple[str, Signal]],
+        made: Sequence[tuple[str, Conversion]] = (),
+    ):
         self.members, self.record = members, record
         self.names = list(members)
         self.discrete = [feed for feed in feeds if not feed.entry.is_real]
         continuous = [feed for feed in feeds if feed.entry.is_real]
         sources = {(t.giver, t.output): None for feed in continuous for t in feed.terms}
+        sources = {pair: None for pair in sources if not isinstance(pair[1], Made)}
+        sources |= {(giver, source): None for giver, conversion in made for source in conversion.sources}
         self.read, self.kept, self.others = {}, {}, {}
         n = 0
 
         for name in self.names:
             own = [s for giver, s in sources if giver == name]
             shown = [s for owner, s in record if owner == name]
-            n = self._block(self.read, name, [s for s in own if s.is_real], n)
+            self._block(self.read, name, [s for s in own if s.is_real], n)
+            for found in (c for giver, c in made if giver == name):
+                self.read[name].add(found)
+            n = self.read[name].slice.stop
             n = self._block(self.kept, name, [s for s in shown if s.is_real and s not in own], n)
             other = list(dict.fromkeys(s for s in own + shown if not s.is_real))
             n = self._block(self.others, name, other, n)
@@ -190,12 +210,13 @@ def find(
 def network(data: SystemData, members: dict[str, Member]) -> Network:
     """The links of a system. Raises CouplingError with all that is wrong."""
     feeds: list[Feed] = []
+    made: list[tuple[str, Conversion]] = []
     errors: list[str] = []
     taken: dict[tuple[str, str], str] = {}
 
     for k, link in enumerate(data.link, 1):
         try:
-            found = list(_feeds(link, members))
+            found = list(_feeds(link, members, made))
         except CouplingError as error:
             errors += [f"link[{k}]: {text}" for text in error.errors]
             continue
@@ -218,13 +239,23 @@ def network(data: SystemData, members: dict[str, Member]) -> Network:
     if errors:
         raise CouplingError(errors)
 
-    return Network(members, feeds, record)
+    return Network(members, feeds, record, made)
 
 
-def _feeds(link: Link, members) -> Iterable[Feed]:
-    """A link by scalars. Raises CouplingError."""
+def _feeds(link: Link, members, made) -> Iterable[Feed]:
+    """A link by scalars; its conversion is added to `made`, with the FMU. Raises CouplingError."""
     taker, entries = find(members, link.target, ("input",), "input")
     givers = [find(members, text, SOURCES, "output") for text in link.source]
+
+    if link.convert:
+        giver = _one_giver(givers)
+        sources = [output for _, outputs in givers for output in outputs]
+        factors = [factor for factor, (_, outputs) in zip(link.factors, givers) for _ in outputs]
+        found, scale, notes = _conversion(link, giver, sources, factors, entries)
+        made.append((giver.name, found))
+        for result, entry in zip(found.results, entries):
+            yield Feed(taker.name, entry, (Term(giver.name, result, scale),), 0.0, 0.0, link, notes)
+        return
 
     for text, (giver, outputs) in zip(link.source, givers):
         if len(outputs) != len(entries):
@@ -240,6 +271,53 @@ def _feeds(link: Link, members) -> Iterable[Feed]:
     for k, entry in enumerate(entries):
         pairs = [(giver, outputs[k]) for giver, outputs in givers]
         yield _feed(link, taker, entry, pairs, offsets[k])
+
+
+def _one_giver(givers):
+    """The FMU that all sources are of. Raises CouplingError."""
+    names = list(dict.fromkeys(giver.name for giver, _ in givers))
+    if len(names) > 1:
+        raise CouplingError(f"convert takes sources of one FMU, found those of {listed(names)}")
+    return givers[0][0]
+
+
+def _conversion(link, giver, sources, factors, entries):
+    """(conversion, factor of what it makes, notes). Raises CouplingError."""
+    units, words = takes(link.convert)
+    unit, size, result = makes(link.convert)
+    kind = f'convert = "{link.convert}"'
+    notes = []
+
+    if len(sources) != len(units):
+        raise CouplingError(f"{kind} takes {words}, found {len(sources)} components")
+    if len(entries) != size:
+        raise CouplingError(
+            f"{kind} makes {result}, and {link.target} has {len(entries)} component{'s' * (len(entries) > 1)}"
+        )
+
+    for k, (source, wanted) in enumerate(zip(sources, units)):
+        if not source.is_real:
+            raise CouplingError(
+                f"{kind}: {giver.name}.{source.name} is of type {source.kind}, not a real number"
+            )
+        if not link.units or not source.unit:
+            notes += [f"{source.name} taken for {wanted.name}"] * link.units
+            continue
+        if not source.unit.fits(wanted):
+            raise CouplingError(
+                f"{kind} takes {words}: {giver.name}.{source.name} is in {source.unit_name}, not in {wanted.name} or the like"
+            )
+        factors[k] *= conversion(source.unit, wanted)[0]
+
+    scale = 1.0
+    for entry in entries:
+        if not entry.is_real:
+            raise CouplingError(f"{kind}: {link.target} is of type {entry.group}, and must be of doubles")
+        if link.units and entry.unit and not unit.fits(entry.unit):
+            raise CouplingError(f"{kind} makes {result}, and {link.target} is in {entry.unit_name}")
+        scale = conversion(unit, entry.unit)[0] if link.units and entry.unit else 1.0
+
+    return conversions.conversion(link.convert, sources, factors), scale, tuple(notes)
 
 
 def _feed(link, taker, entry, pairs, offset):

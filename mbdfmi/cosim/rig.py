@@ -55,14 +55,16 @@ class Port:
         net, name, slave, rig = self.rig.net, self.name, self.slave, self.rig
         read, kept, fed = net.read[name], net.kept[name], net.fed[name]
         base = rig.y.ctypes.data
-        self.columns = slice(read.first, read.first + read.n)
+        self.columns = read.slice
         signals = [*read.signals, *kept.signals]
         self.get = Channel(slave, "Get", read.signals, base + 8 * read.first).move if read.n else _nothing
+        if read.made:
+            self.get = self._converting(self.get)
         shared = {s.reference for s in read.signals} & {s.reference for s in kept.signals}
 
         if not kept.n:
             self.get_all = self.get
-        elif shared or not read.n:
+        elif shared or read.made or not read.n:
             more = Channel(slave, "Get", kept.signals, base + 8 * kept.first).move
             self.get_all = more if not read.n else lambda: max(self.get(), more())
         else:
@@ -86,6 +88,24 @@ class Port:
             self._set_derivatives = [slave.derivative_feed(fed.signals, order, address) for order in (1, 2)]
 
         self.others = _Others(self) if net.others[name].n else None
+
+    def _converting(self, get):
+        """A call that reads, and what is made of what it reads."""
+        block, y = self.rig.net.read[self.name], self.rig.y
+        parts = []
+
+        for conversion in block.made:
+            first = block.places[conversion.results[0]]
+            result = y[first : first + len(conversion.results)]
+            parts.append((conversion, [block.places[s] for s in conversion.sources], result))
+
+        def get_and_convert():
+            status = get()
+            for conversion, places, result in parts:
+                result[:] = conversion.of(y[places], result)
+            return status
+
+        return get_and_convert
 
     def feed(self, H: float, square: np.ndarray | None = None) -> int:
         """Sets the inputs over a step of H (s): from `now` to `end`, with `square` times time squared; returns the status."""

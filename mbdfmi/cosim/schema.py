@@ -3,12 +3,14 @@
 import os
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, model_validator
 
 from ..scene.errors import SceneError, show
 from ..scene.fields import Boolean, Number, OneOf, Part, Positive, given
 from ..scene.messages import problems_of
 from ..scene.names import Name, Title
+from .conversions import CONVERSION, WORDS
 
 METHODS = ("auto", "jacobi", "gauss-seidel", "iterate", "newton")
 """How FMUs wait for each other (docs/coupling.md)."""
@@ -114,6 +116,10 @@ class Link(Part):
     offset : in the unit of the target.
     units : whether units are compared and converted; false where a factor has a unit.
     hold : as of an FMU, for this input.
+    convert : angles of the source into Euler parameters or an angular velocity: "euler_zyx", of angles about z,
+        then the new y, then the newest x, and so for each order of axes; "rotation_vector"; with "_rates" an
+        angular velocity of three angles and their rates, in the axes that the angles begin with. Factors act
+        before it.
     """
 
     source: Texts
@@ -122,9 +128,12 @@ class Link(Part):
     offset: Numbers = 0.0
     units: Boolean = True
     hold: OneOf(*HOLDS) | None = None
+    convert: Annotated[str, BeforeValidator(lambda value: _conversion(value))] | None = None
 
     @model_validator(mode="after")
     def _check_factors(self):
+        if self.convert and np.any(self.offset):
+            raise ValueError("a link with convert takes no offset")
         if isinstance(self.factor, list) and len(self.factor) != len(self.source):
             raise ValueError(f"factor has {len(self.factor)} numbers for {len(self.source)} sources")
         return self
@@ -133,6 +142,12 @@ class Link(Part):
     def factors(self):
         """One for each source."""
         return self.factor if isinstance(self.factor, list) else [self.factor] * len(self.source)
+
+
+def _conversion(value):
+    if not isinstance(value, str) or not CONVERSION.fullmatch(value):
+        raise ValueError(f"needs {WORDS}; found {show(value)}")
+    return value
 
 
 class Bond(Part):

@@ -52,6 +52,9 @@ def _check(net):
     for feed in [*net.feeds, *net.discrete]:
         if feed is None:
             continue
+        if feed.table.convert:
+            errors.append(f"{feed.text}: converts an orientation, which SSP 1.0 has no words for")
+            continue
         if len(feed.terms) > 1:
             errors.append(f"{feed.text}: adds up sources, and SSP 1.0 connects an input to one output")
         errors += [

@@ -213,6 +213,8 @@ class _Loop:
             outputs = net.read[port.name].signals
             if not entries or not outputs:
                 continue
+            if net.read[port.name].made:
+                return None
             part = port.slave.derivatives(outputs, [entry for _, entry in entries])
             if part is None:
                 return None
