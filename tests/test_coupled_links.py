@@ -225,6 +225,7 @@ def changed_torque_to_degrees(path, tmp_path):
 MISTAKES = {
     "an FMU": ([("c.pivot.angle", "b.pivot.torque")], "no FMU 'c'"),
     "a variable": ([("a.pivot.angel", "b.pivot.torque")], "did you mean 'pivot.angle'"),
+    "another word for a speed": ([("a.pivot.velocity", "b.pivot.torque")], "did you mean 'pivot.speed'"),
     "an input for a source": (
         [("a.pivot.torque", "b.pivot.torque")],
         "no output 'pivot.torque': it is of causality input",

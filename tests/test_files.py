@@ -183,23 +183,47 @@ print("last")
 """
 
 
+def environment():
+    """Of a process that finds what this one does."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+
+
 @posix
 @pytest.mark.parametrize("name", ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
 @pytest.mark.parametrize("to", ["pipe", "file"])
 def test_standard_output(tmp_path, name, to):
     """Between what is printed before and after, also where the output is a file."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", PROGRAM, name]
 
     if to == "pipe":
-        text = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True).stdout
+        text = subprocess.run(command, env=environment(), cwd=tmp_path, capture_output=True, text=True).stdout
     else:
         with open(tmp_path / "out", "w") as out:
-            subprocess.run(command, env=environment, cwd=tmp_path, stdout=out)
+            subprocess.run(command, env=environment(), cwd=tmp_path, stdout=out)
         text = (tmp_path / "out").read_text()
 
     assert text == f"first\n{TABLE}last\n"
     assert [path.name for path in tmp_path.iterdir()] == (["out"] if to == "file" else [])
+
+
+@posix
+def test_a_reader_that_stops_takes_no_other_file_away(tmp_path):
+    """`--csv -` into a pipe that nobody reads on: the plot is there all the same."""
+    program = "from mbdfmi.cli import main; main()"
+    command = [sys.executable, "-c", program, "simulate", str(PENDULUM), "--until", "1", "--csv", "-"]
+    read, written = os.pipe()
+    os.close(read)
+    subprocess.run([*command, "--plot", "a.png"], cwd=tmp_path, stdout=written, env=environment())
+    os.close(written)
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_folders_that_are_made_are_told(scene, capsys):
+    assert cli.main(["simulate", str(scene), "--until", "0.1", "--csv", "out/new/a.csv"]) == 0
+    assert (
+        f"note: {Path('out/new')}: there is no such folder, it is made for a.csv" in capsys.readouterr().err
+    )
+    assert (scene.parent / "out" / "new" / "a.csv").exists()
 
 
 # what goes wrong names the file

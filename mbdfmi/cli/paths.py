@@ -76,6 +76,9 @@ def writable(text, inputs):
     if not os.access(parent, os.W_OK):
         raise ValueError(f"{path}: cannot be written, the folder {parent} is not yours to write in")
 
+    if not path.parent.exists():
+        note([f"{path.parent}: there is no such folder, it is made for {path.name}"])
+
     return path
 
 

@@ -9,23 +9,31 @@ def show(results, csv, plot, view=None, at=None):
     """Results to files, or a summary to the screen; what the solver had to say of them."""
     note(results.notices)
 
-    # what was written where, unless it came out of the standard output itself
-    say = err if any(file and to_standard_output(file) for file in (csv, view)) else out
-
-    if csv:
-        say.print(str(results.to_csv(csv)), soft_wrap=True)
-
-    if plot:
-        say.print(str(results.plot(plot)), soft_wrap=True)
-
-    if view:
+    def look(path):
         from ..view.show import show as show_view
 
-        path = show_view(results, view, at, lambda text: note([text]))
-        say.print(str(path), soft_wrap=True)
+        return show_view(results, path, at, lambda text: note([text]))
+
+    write([(csv, results.to_csv), (plot, results.plot), (view, look)])
 
     if not (csv or plot or view):
         _print_summary(results)
+
+
+def beside(*files):
+    """Where to tell of results: the standard output, but beside it where one of the files is that."""
+    return err if any(file and to_standard_output(file) for file in files) else out
+
+
+def write(files):
+    """Writes (path or None, function of a path that returns it), and tells where; the standard output comes
+    last: whoever reads it may stop before its end.
+    """
+    files = [(path, function) for path, function in files if path]
+    say = beside(*(path for path, _ in files))
+
+    for path, function in sorted(files, key=lambda pair: to_standard_output(pair[0])):
+        say.print(str(function(path)), soft_wrap=True)
 
 
 def _print_summary(results):

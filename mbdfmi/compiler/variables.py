@@ -136,9 +136,29 @@ def meant(name: str, names: Iterable[str]) -> list[str]:
     return [name] if name in names else [element for element in names if array_of(element) == name]
 
 
+WORDS = (
+    ("velocity", "speed", "omega", "rate"),
+    ("angle", "position"),
+    ("torque", "force", "moment", "effort"),
+    ("acceleration", "alpha"),
+)
+"""Words of one meaning, each of which a joint of some kind has its own of."""
+
+
+def _by_another_word(name, names):
+    """Names of the same thing's quantities that another word of the same meaning names."""
+    stem, dot, word = array_of(name).rpartition(".")
+    alike = [
+        f"{stem}.{other}" for words in WORDS if word in words for other in words if dot and other != word
+    ]
+    return [other for other in alike if other in names]
+
+
 def hint(name: str, names: Collection[str], limit: int = 12) -> str:
     """What to say of a name that is none of these: which it may be, else some of those there are."""
-    if near := nearest(name, [*dict.fromkeys(map(array_of, names)), *names]):
+    known = [*dict.fromkeys(map(array_of, names)), *names]
+
+    if near := _by_another_word(name, known) or nearest(name, known):
         return "did you mean " + " or ".join(map(repr, near)) + "?"
 
     names = list(names)

@@ -66,3 +66,11 @@ class History:
             return self._rows(self._end, width, first)
         now = self.now(max(first - 1, 0))
         return now[:-1] if first else np.concatenate([now[:1], now[:-1]])
+
+
+class Seen:
+    """A whole run, made of its history once: time (n,), y, now and end as there."""
+
+    def __init__(self, history: History):
+        self.n, self.time, self.y = history.n, history.time, history.y
+        self.now, self.end = history.now(), history.end()

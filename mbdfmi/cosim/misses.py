@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .history import History
+from .history import Seen
 from .network import Network
 
 WINDOW = 32
@@ -31,16 +31,16 @@ WITHIN = {0: 1 / 2, 1: 1 / 8, 2: 1 / 16}
 """What a polynomial of an order through the ends of a step misses in its middle, of the difference of the next order."""
 
 
-def rough(net: Network, history: History) -> list[str]:
+def rough(net: Network, seen: Seen) -> list[str]:
     """What is told of inputs that jump from step to step as far as they go at all, in some window of the run: there their
     FMUs know too little of each other.
     """
-    n = (history.n - 1) // WINDOW
+    n = (seen.n - 1) // WINDOW
     if n == 0 or not net.n_u:
         return []
 
     rows = slice(1, 1 + n * WINDOW)
-    now, end = (values[rows].reshape(n, WINDOW, -1) for values in (history.now(), history.end()))
+    now, end = (values[rows].reshape(n, WINDOW, -1) for values in (seen.now, seen.end))
     spread, peak = np.ptp(now, axis=1), np.maximum.accumulate(np.abs(now).max(axis=1))
     usual = np.median(np.abs(now - end), axis=1)
     # what a link shakes by less than it matters is no concern
@@ -52,12 +52,12 @@ def rough(net: Network, history: History) -> list[str]:
     feed = net.feeds[row]
     share = 100 * usual[window, row] / spread[window, row]
     return [
-        f"{feed.text if feed else row} jumps by {share:.2g} % of its range from step to step at {history.time[1 + window * WINDOW]:.6g} s: "
+        f"{feed.text if feed else row} jumps by {share:.2g} % of its range from step to step at {seen.time[1 + window * WINDOW]:.6g} s: "
         "the step is too long for the master, or the coupling is unstable; look at the results with doubt"
     ]
 
 
-def coarse(net: Network, history: History, order: int) -> list[str]:
+def coarse(net: Network, seen: Seen, order: int) -> list[str]:
     """What is told of steps that are long for what links carry: between communication points FMUs know their inputs as
     polynomials of `order`, also where these agree with all outputs at both ends of every step.
     """
@@ -65,15 +65,15 @@ def coarse(net: Network, history: History, order: int) -> list[str]:
         # held inputs jump by all that they miss, which `rough` and `jumps` tell
         return []
 
-    steps = np.diff(history.time)
+    steps = np.diff(seen.time)
     # the differences are those of equal steps; the last one may be shorter
-    n = history.n - (len(steps) > 0 and steps[-1] < (1 - 1e-6) * steps[0])
+    n = seen.n - (len(steps) > 0 and steps[-1] < (1 - 1e-6) * steps[0])
     if n < order + 2:
         return [
             f"a run of {len(steps)} step{'s' * (len(steps) != 1)}: too few to tell what inputs miss within them"
         ]
 
-    now = history.now()[:n]
+    now = seen.now[:n]
     missed = WITHIN[order] * np.abs(np.diff(now, order + 1, axis=0))
     starts = np.arange(0, max(len(missed) - WINDOW // 2, 1), WINDOW)
     peak = np.abs(now).max(axis=0)
@@ -92,7 +92,7 @@ def coarse(net: Network, history: History, order: int) -> list[str]:
     feed = net.feeds[row]
     return [
         f"{feed.text if feed else row}: within a step this input misses about {100 * share[window, row]:.2g} % of its swing around "
-        f"{history.time[starts[window]]:.6g} s; the step is too long for what it carries: a smaller one, or [master] error = 1e-3 "
+        f"{seen.time[starts[window]]:.6g} s; the step is too long for what it carries: a smaller one, or [master] error = 1e-3 "
         "where all FMUs can go back, will tell by how much results change"
     ]
 
@@ -103,12 +103,12 @@ def _swing(values):
     return np.maximum(np.median(np.abs(values - middle), axis=0), LEAST * np.ptp(values, axis=0))
 
 
-def jumps(net: Network, history: History) -> dict[str, float]:
+def jumps(net: Network, seen: Seen) -> dict[str, float]:
     """Largest jump of each input at a communication point, relative to the range of its values: what a step did not know."""
-    if history.n < 2:
+    if seen.n < 2:
         return {}
-    now = history.now()
-    missed = np.max(np.abs(now - history.end())[1:], axis=0)
+    now = seen.now
+    missed = np.max(np.abs(now - seen.end)[1:], axis=0)
     # of a value that does not change rounding is the range
     spread = np.maximum(np.ptp(now, axis=0), ROUNDING * np.abs(now).max(axis=0))
     return {

@@ -20,7 +20,7 @@ from ..view.recorder import Recorder
 from ..view.show import Run
 from .errors import CouplingError
 from .graph import through
-from .history import History
+from .history import History, Seen
 from .march import March
 from .members import Member, read_members
 from .misses import coarse, jumps, rough
@@ -272,22 +272,23 @@ class _Simulation:
             columns[title] = history.y[:, net.place(name, signal)].copy()
             units[title] = signal.unit_name
 
-        found = reports(net, self.bonds, history)
+        seen = Seen(history)
+        found = reports(net, self.bonds, seen)
         notices = [*self.notices]
         for port in self.rig.ports:
             notices += [f"{port.name}: {text}" for text in port.slave.told]
         if march is not None:
             notices += march.notices
         notices += [bond.told for bond in found if bond.told]
-        notices += rough(net, history)
+        notices += rough(net, seen)
         if self.system.master.error is None:
-            notices += coarse(net, history, self.plan.order)
+            notices += coarse(net, seen, self.plan.order)
         states = None
         if self.recorder is not None:
             states = self.recorder.results().states
 
         results = Coupled(columns, units, self.system.name, notices, states)
-        results.bonds, results.jumps = found, jumps(net, history)
+        results.bonds, results.jumps = found, jumps(net, seen)
         results.work, results.plan = self.rig.work, self.plan
         return results
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import CouplingError
-from .history import History
+from .history import History, Seen
 from .members import Member
 from .misses import WINDOW
 from .network import Feed, Network, find
@@ -219,13 +219,13 @@ def _place(name):
     return stem.rpartition(".")[0], bracket + index
 
 
-def reports(net: Network, found: list[PowerBond], history: History) -> list[BondReport]:
+def reports(net: Network, found: list[PowerBond], seen: Seen) -> list[BondReport]:
     """What the bonds did in a run: over each step inputs as they were given and outputs in between are straight lines."""
-    return [_report(net, bond, history) for bond in found] if history.n > 1 else []
+    return [_report(net, bond, seen) for bond in found] if seen.n > 1 else []
 
 
-def _report(net, bond, history):
-    effort, flow = (_sides(net, feed, history) for feed in (bond.effort, bond.flow))
+def _report(net, bond, seen):
+    effort, flow = (_sides(net, feed, seen) for feed in (bond.effort, bond.flow))
     ratio = effort[3] / flow[3]
 
     def residual(part):
@@ -234,11 +234,11 @@ def _report(net, bond, history):
         y_e, y_f = ((1 - part) * y[:-1] + part * y[1:] for _, _, y, _ in (effort, flow))
         return u_e * y_f - ratio * y_e * u_f
 
-    H = np.diff(history.time)
+    H = np.diff(seen.time)
     made = H / 6 * (residual(0.0) + 4 * residual(0.5) + residual(1.0))
     power = np.abs(effort[0] * flow[2])
     exchanged = np.sum(H / 2 * (power[1:] + power[:-1]))
-    worst, when = _worst_window(history.time, made, H / 2 * (power[1:] + power[:-1]))
+    worst, when = _worst_window(seen.time, made, H / 2 * (power[1:] + power[:-1]))
     return BondReport(
         bond.name, np.append(0.0, residual(1.0)), float(np.sum(made)), float(exchanged), worst, when
     )
@@ -255,7 +255,7 @@ def _worst_window(time, made, exchanged):
     return float(part[k]), float(time[starts[k]])
 
 
-def _sides(net, feed, history):
+def _sides(net, feed, seen):
     """(input by its links, input as it was given at the end of steps, source, factor) of a feed, in SI units."""
     term = feed.terms[0]
     row, column = net.fed[feed.taker].places[feed.entry], net.place(term.giver, term.output)
@@ -264,5 +264,5 @@ def _sides(net, feed, history):
     out = _unit(feed).factor if _unit(feed) else 1.0
     factor = term.factor * into / out
     # what comes on top is no part of the bond
-    now, end = history.now()[:, row] - feed.offset, history.end()[:, row] - feed.offset
-    return into * now, into * end, out * history.y[:, column], factor
+    now, end = seen.now[:, row] - feed.offset, seen.end[:, row] - feed.offset
+    return into * now, into * end, out * seen.y[:, column], factor

@@ -2,12 +2,12 @@
 
 from contextlib import contextmanager
 
-from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, result_files
 from ..settings import settings_of
+from ..show_results import beside, write
 from ..tables import table_of
-from ..terminal import err, out
+from ..terminal import err
 
 DOUBTFUL = 1e-6
 """Doubt of the reference run from which on it is told."""
@@ -90,12 +90,8 @@ def run(options):
         )
 
     # what is told stands beside a table on the standard output
-    say = err if csv and to_standard_output(csv) else out
-    _print(found, say)
-
-    for path, write in ((csv, found.to_csv), (plot, found.plot)):
-        if path:
-            say.print(str(write(path)), soft_wrap=True)
+    _print(found, beside(csv))
+    write([(csv, found.to_csv), (plot, found.plot)])
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import load_scene, result_files
 from ..settings import settings_of
+from ..show_results import beside, write
 from ..tables import print_table, table_of
 from ..terminal import doing_here, note, out
 
@@ -82,21 +83,19 @@ def run(options):
         print_table(table)
         out.print()
 
+    say = beside(csv)
+
     if np.isfinite(found.arm).any():
         heel_, arm = found.largest()
-        out.print(f"largest arm {arm:.6g} m at {heel_:.5g} deg, GM {found.metacentric:.6g} m")
+        say.print(f"largest arm {arm:.6g} m at {heel_:.5g} deg, GM {found.metacentric:.6g} m")
 
         if arm <= 0.0:
-            out.print("it rights nowhere: it capsizes")
+            say.print("it rights nowhere: it capsizes")
 
     for angle, stable in found.rests():
-        out.print(f"{'rests' if stable else 'capsizes beyond'}: {angle + 0.0:.6g} deg")
+        say.print(f"{'rests' if stable else 'capsizes beyond'}: {angle + 0.0:.6g} deg")
 
-    if csv:
-        out.print(str(found.results().to_csv(csv)), soft_wrap=True)
-
-    if plot:
-        out.print(str(found.plot(plot)), soft_wrap=True)
+    write([(csv, found.results().to_csv), (plot, found.plot)])
 
 
 def _axis(text):

@@ -2,12 +2,12 @@
 
 import math
 
-from ...files import to_standard_output
 from ..arguments import add_command, add_scene, add_settings
 from ..paths import check_looks, load_scene, view_file, writable
 from ..settings import settings_of
+from ..show_results import beside, write
 from ..tables import print_table, table_of
-from ..terminal import doing_here, err, note, out
+from ..terminal import doing_here, note, out
 
 MOST_ROWS = 60
 
@@ -175,14 +175,6 @@ def _over(scene, over, at, asked, plot, csv):
         found = locus(scene, name, values, at, progress=tell, **asked)
 
     note(found.notices)
-    say = err if csv and to_standard_output(csv) else out
-
-    if plot:
-        say.print(str(found.plot(plot)), soft_wrap=True)
-
-    if csv:
-        say.print(str(found.to_csv(csv)), soft_wrap=True)
-
     if not (plot or csv):
         table = table_of(name, "eigenvalues, 1/s", numbers=(name,))
 
@@ -192,7 +184,9 @@ def _over(scene, over, at, asked, plot, csv):
         print_table(table)
 
     for value, root in found.crossings():
-        say.print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * math.pi):.4g} Hz")
+        beside(csv).print(f"{name} = {value:.6g}: stability changes, at {root.imag / (2 * math.pi):.4g} Hz")
+
+    write([(csv, found.to_csv), (plot, found.plot)])
 
 
 def _complex(value):
