@@ -16,6 +16,11 @@ static double *exchange(double *kept, double *array, size_t n, bool keep)
     return kept + n;
 }
 
+static size_t n_indicators(const Instance *c)
+{
+    return 2 * (size_t)(c->ints[COUNT_n_stop] + c->resource.survey[SURVEY_WATCHED].n_y);
+}
+
 static void exchange_all(Instance *c, double *kept, bool keep)
 {
     size_t n_x = (size_t)c->ints[COUNT_n_x];
@@ -23,12 +28,12 @@ static void exchange_all(Instance *c, double *kept, bool keep)
     kept = exchange(kept, c->y, (size_t)c->resource.n.y, keep);
     kept = exchange(kept, c->led, n_x, keep);
     kept = exchange(kept, c->rates, n_x, keep);
-    exchange(kept, c->indicators, 2 * (size_t)c->ints[COUNT_n_stop], keep);
+    exchange(kept, c->indicators, n_indicators(c), keep);
 }
 
 static size_t length_of_derived(const Instance *c)
 {
-    return (size_t)(c->resource.n.y + 2 * c->ints[COUNT_n_x] + 2 * c->ints[COUNT_n_stop]);
+    return (size_t)(c->resource.n.y + 2 * c->ints[COUNT_n_x]) + n_indicators(c);
 }
 
 void aside_free(Instance *c)

@@ -94,7 +94,7 @@ Status exchange_get_indicators(Instance *c, double z[], size_t n)
 {
     Status result = check_length(c, z, n, c->n_indicators);
 
-    if (result == STATUS_OK) result = instance_indicators(c);
+    if (result == STATUS_OK) result = events_indicators(c);
     for (size_t i = 0; i < n && result == STATUS_OK; i++) z[i] = c->indicators[i];
     return result;
 }
@@ -130,12 +130,5 @@ Status exchange_update(Instance *c, Event *event)
         instance_changed(c);
         result = instance_lead(c);
     }
-    if (result != STATUS_OK) return result;
-
-    void *excinfo;
-    int32_t broken = mbdfmi_next_kink(&event->next_time, &excinfo, M_OF(c), D_OF(c));
-    if (broken) return log_tell(&c->log, STATUS_FATAL, "internal failure %d", (int)broken);
-    c->core->event_time = event->next_time;
-    event->next_time_defined = isfinite(event->next_time);
-    return STATUS_OK;
+    return result == STATUS_OK ? events_settle(c, event) : result;
 }

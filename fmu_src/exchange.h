@@ -4,14 +4,7 @@
 #ifndef MBDFMI_EXCHANGE_H
 #define MBDFMI_EXCHANGE_H
 
-#include "instance.h"
-
-/* What an event comes to; times in s. */
-typedef struct {
-    bool states_changed;
-    bool next_time_defined;
-    double next_time;
-} Event;
+#include "events.h"
 
 Status exchange_set_time(Instance *c, double time);
 

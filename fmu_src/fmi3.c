@@ -100,16 +100,15 @@ fmi3Instance fmi3InstantiateCoSimulation(
 
     (void)visible;
     (void)requiredIntermediateVariables; /* all can be had */
-    if (c && eventModeUsed)
-        return refuse(c, "eventModeUsed: this FMU has no event mode (hasEventMode = false)");
     if (c && nRequiredIntermediateVariables > 0 && !intermediateUpdate)
         return refuse(c, "requiredIntermediateVariables: there is no intermediateUpdate to tell "
                          "them to");
+    if (c && eventModeUsed && !instance_use_events(c)) return refuse(c, "no event mode");
     if (c && intermediateUpdate) {
         c->at_point = tell_point;
         c->update = (void (*)(void))intermediateUpdate;
-        c->may_return = earlyReturnAllowed;
     }
+    if (c) c->may_return = earlyReturnAllowed;
     return c;
 }
 
@@ -266,12 +265,18 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte seriali
     return status_of(snapshot_deserialise(c, serializedState, size, FMUState));
 }
 
-/* ---- model exchange ---- */
+/* ---- events and model exchange ---- */
 
-/* In co-simulation there is no event mode. */
+#define ENTER_EXCHANGE(modes)                                                                      \
+    ENTER(modes);                                                                                  \
+    if (!c->exchanges) REFUSE("is for model exchange")
+
 fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
-    ENTER(CONTINUOUS_TIME);
+    Instance *c = instance;
+    int stepping = c && c->has_events ? STEP_COMPLETE : 0;
+
+    if (!instance_enter(c, __func__, CONTINUOUS_TIME | stepping)) return fmi3Error;
     c->core->mode = EVENT;
     return fmi3OK;
 }
@@ -288,7 +293,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
         REFUSE("NULL instead of a place for a result");
 
     Event event = {0};
-    Status result = exchange_update(c, &event);
+    Status result = c->exchanges ? exchange_update(c, &event) : events_settle(c, &event);
 
     *discreteStatesNeedUpdate = *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = fmi3False;
@@ -300,8 +305,16 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
 {
-    ENTER(EVENT);
+    ENTER_EXCHANGE(EVENT);
     c->core->mode = CONTINUOUS_TIME;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance)
+{
+    ENTER(EVENT);
+    if (c->exchanges) REFUSE("is for co-simulation");
+    c->core->mode = STEP_COMPLETE;
     return fmi3OK;
 }
 
@@ -324,7 +337,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
 
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
 {
-    ENTER(EXCHANGE_MODES);
+    ENTER_EXCHANGE(EXCHANGE_MODES);
     return status_of(exchange_set_time(c, time));
 }
 
@@ -338,28 +351,28 @@ fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 cont
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
                                              size_t nContinuousStates)
 {
-    ENTER(INTEGRATED);
+    ENTER_EXCHANGE(INTEGRATED);
     return status_of(exchange_get_rates(c, derivatives, nContinuousStates));
 }
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[],
                                   size_t nEventIndicators)
 {
-    ENTER(INTEGRATED);
+    ENTER_EXCHANGE(INTEGRATED);
     return status_of(exchange_get_indicators(c, eventIndicators, nEventIndicators));
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
                                    size_t nContinuousStates)
 {
-    ENTER(INTEGRATED);
+    ENTER_EXCHANGE(INTEGRATED);
     return status_of(exchange_get_states(c, continuousStates, nContinuousStates));
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
                                              size_t nContinuousStates)
 {
-    ENTER(INTEGRATED);
+    ENTER_EXCHANGE(INTEGRATED);
     return status_of(exchange_get_nominals(c, nominals, nContinuousStates));
 }
 
@@ -397,11 +410,12 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (!(eventHandlingNeeded && terminateSimulation && earlyReturn && lastSuccessfulTime))
         REFUSE("NULL instead of a place for a result");
 
-    bool early;
-    Status result = intermediate_step(c, currentCommunicationPoint, communicationStepSize, &early);
+    StepEnd end;
+    Status result = intermediate_step(c, currentCommunicationPoint, communicationStepSize, &end);
 
-    *eventHandlingNeeded = *terminateSimulation = fmi3False;
-    *earlyReturn = early;
+    *eventHandlingNeeded = end.event;
+    *terminateSimulation = fmi3False;
+    *earlyReturn = end.early;
     *lastSuccessfulTime = c->core->time;
     return status_of(result);
 }

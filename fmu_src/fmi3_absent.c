@@ -92,11 +92,6 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance)
     NEVER();
 }
 
-fmi3Status fmi3EnterStepMode(fmi3Instance instance)
-{
-    NEVER();
-}
-
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance)
 {
     NEVER();

@@ -11,6 +11,7 @@
 #include "columns.h"
 #include "kernels.h"
 #include "rest.h"
+#include "survey.h"
 #include "tolerance.h"
 #include "traced.h"
 
@@ -150,6 +151,7 @@ Status instance_prepare(Instance *c)
 void instance_changed(Instance *c)
 {
     c->current = c->is_led = c->is_rated = c->is_indicated = false;
+    memset(c->is_surveyed, 0, sizeof c->is_surveyed);
     c->point++;
 }
 
@@ -159,11 +161,20 @@ static Status severity_of(const Instance *c)
     return c->exchanges ? STATUS_DISCARD : STATUS_ERROR;
 }
 
+Status instance_report(Instance *c, const char *doing, int32_t broken, int64_t status)
+{
+    return report(c, severity_of(c), doing, broken, status);
+}
+
 Status instance_lead(Instance *c)
 {
     Status result = instance_prepare(c);
 
     if (result != STATUS_OK || c->is_led) return result;
+
+    /* commanded motions are where inputs tell them; to look at anything reads these */
+    if (c->ints[COUNT_n_command] > 0) result = survey_run(c, SURVEY_WATCHED);
+    if (result != STATUS_OK) return result;
 
     void *excinfo;
     int64_t status = CODE_OK;
@@ -178,8 +189,7 @@ Status instance_lead(Instance *c)
     return result;
 }
 
-/* Between these two a kernel sees the state on the constraints, where a solver outside gave another. */
-static Status begin_evaluation(Instance *c)
+Status instance_begin(Instance *c)
 {
     if (!c->exchanges) return instance_prepare(c);
 
@@ -190,7 +200,7 @@ static Status begin_evaluation(Instance *c)
     return STATUS_OK;
 }
 
-static void end_evaluation(Instance *c)
+void instance_end(Instance *c)
 {
     if (c->exchanges) memcpy(instance_x(c), c->given, size_of_x(c));
 }
@@ -199,34 +209,17 @@ Status instance_rates(Instance *c)
 {
     if (c->is_rated) return STATUS_OK;
 
-    Status result = begin_evaluation(c);
+    Status result = instance_begin(c);
     if (result != STATUS_OK) return result;
 
     void *excinfo;
     int64_t status = CODE_OK;
     int32_t broken = mbdfmi_rates(&status, &excinfo, M_OF(c), D_OF(c));
 
-    end_evaluation(c);
+    instance_end(c);
     memcpy(c->rates, c->work + c->ints[AT_x_rate], size_of_x(c));
     result = report(c, severity_of(c), "rates", broken, status);
     c->is_rated = result == STATUS_OK;
-    return result;
-}
-
-Status instance_indicators(Instance *c)
-{
-    if (c->is_indicated) return STATUS_OK;
-
-    Status result = begin_evaluation(c);
-    if (result != STATUS_OK) return result;
-
-    void *excinfo;
-    int64_t status = CODE_OK;
-    int32_t broken = mbdfmi_indicators(&status, &excinfo, M_OF(c), D_OF(c), c->indicators);
-
-    end_evaluation(c);
-    result = report(c, severity_of(c), "event indicators", broken, status);
-    c->is_indicated = result == STATUS_OK;
     return result;
 }
 
@@ -234,14 +227,14 @@ Status instance_outputs(Instance *c)
 {
     if (c->current) return STATUS_OK;
 
-    Status result = begin_evaluation(c);
+    Status result = instance_begin(c);
     if (result != STATUS_OK) return result;
 
     void *excinfo;
     int64_t status = CODE_OK;
     int32_t broken = mbdfmi_outputs(&status, &excinfo, M_OF(c), D_OF(c), c->y);
 
-    end_evaluation(c);
+    instance_end(c);
 
     /* a value that is not finite is refused where it is asked for */
     if (status % PLACE == CODE_OUTPUT_NOT_FINITE) status = CODE_OK;
@@ -295,25 +288,29 @@ static char *copy_text(const char *text)
 static bool allocate(Instance *c)
 {
     const Resource *r = &c->resource;
-    int64_t n = r->n.reals + r->n.state + N_DERIVATIVE * r->n.u;
+    int64_t n_watched = r->survey[SURVEY_WATCHED].n_y;
+    int64_t n = r->n.reals + r->n.state + N_DERIVATIVE * r->n.u + n_watched;
 
     c->core_size = sizeof(Core) + (size_t)n * sizeof(double);
     c->core = calloc(1, c->core_size);
-    c->work = calloc((size_t)r->n.work + 1, sizeof(double));
+    c->work = calloc((size_t)survey_work(r) + 1, sizeof(double));
     c->y = calloc((size_t)r->n.y + 1, sizeof(double));
     size_t n_x = (size_t)r->ints[COUNT_n_x] + 1,
-           n_indicators = 2 * (size_t)r->ints[COUNT_n_stop] + 1;
+           n_indicators = 2 * (size_t)(r->ints[COUNT_n_stop] + n_watched) + 1;
     c->given = calloc(n_x, sizeof(double));
     c->led = calloc(n_x, sizeof(double));
     c->rates = calloc(n_x, sizeof(double));
     c->indicators = calloc(n_indicators, sizeof(double));
-    if (!c->core || !c->work || !c->y || !c->given || !c->led || !c->rates || !c->indicators)
+    c->surveyed = calloc((size_t)survey_y(r) + 1, sizeof(double));
+    if (!c->core || !c->work || !c->y || !c->given || !c->led || !c->rates || !c->indicators
+        || !c->surveyed)
         return false;
 
     c->ints = r->ints;
     c->reals = (double *)(c->core + 1);
     c->state = c->reals + r->n.reals;
     c->u = c->state + r->n.state;
+    c->piece = c->u + N_DERIVATIVE * r->n.u;
     return true;
 }
 
@@ -380,13 +377,22 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
     return NULL;
 }
 
+bool instance_use_events(Instance *c)
+{
+    c->crossing = malloc((3 * (size_t)c->n_indicators + 1) * sizeof(double));
+    c->part = malloc(c->core_size);
+    c->has_events = c->crossing && c->part;
+    if (!c->has_events) log_tell(&c->log, STATUS_ERROR, "out of memory");
+    return c->has_events;
+}
+
 bool instance_exchange(Instance *c)
 {
     c->exchanges = c->n_states > 0;
     if (!c->exchanges)
         log_tell(&c->log, STATUS_ERROR,
                  "this FMU is for co-simulation only: it has no states, too many, or inputs that "
-                 "command motions");
+                 "command motions without their accelerations");
     return c->exchanges;
 }
 
@@ -406,6 +412,10 @@ void instance_free(Instance *c)
     free(c->led);
     free(c->rates);
     free(c->indicators);
+    free(c->surveyed);
+    free(c->crossing);
+    free(c->part);
+    survey_free(c);
     free(c->log.name);
     free(c);
 }
@@ -481,7 +491,7 @@ Status instance_start(Instance *c)
 
     if (result == STATUS_OK) result = rest_check(c);
     if (result != STATUS_OK) return result;
-    c->core->mode = c->exchanges ? EVENT : STEP_COMPLETE;
+    c->core->mode = c->exchanges || c->has_events ? EVENT : STEP_COMPLETE;
     c->point++; /* parameters no longer act on the start */
 
     for (int64_t i = 0; i < r->n.notices; i++)

@@ -48,6 +48,7 @@ typedef struct Instance {
     Core *core; /* the block of core_size bytes */
     size_t core_size;
     double *reals, *state, *u; /* parts of that block */
+    double *piece;             /* too: of what is watched for kinks; see events.h */
 
     double *work, *y;
     bool current; /* y follows from the present reals, state and u */
@@ -58,6 +59,16 @@ typedef struct Instance {
     int64_t first_state, n_states, n_indicators; /* of the variables */
     double *given, *led, *rates, *indicators;
     bool is_led, is_rated, is_indicated; /* follow from the present reals, state and u */
+
+    /* what is told beside the outputs, once it is asked for; see survey.h */
+    double *surveyed;
+    int64_t *survey_ints[N_SURVEY];
+    double *survey_reals[N_SURVEY];
+    bool is_surveyed[N_SURVEY]; /* likewise */
+
+    bool has_events;  /* co-simulation with event mode */
+    double *crossing; /* room for three sets of indicators; then */
+    Core *part;       /* room for the block, at the start of a part of a step */
 
     /* points within a step, where the master wants to see them: it may ask to return at *until */
     bool (*at_point)(struct Instance *c, double time, bool may_return, double *until);
@@ -77,6 +88,9 @@ typedef struct Instance {
 /* NULL, with the reason in the log, when the resource or the GUID is not good. `log` is copied, its
    name apart. */
 Instance *instance_create(const char *name, const char *guid, const char *location, const Log *log);
+
+/* The instance for co-simulation with event mode; false, with the reason in the log, without memory. */
+bool instance_use_events(Instance *c);
 
 /* The instance for model exchange; false, with the reason in the log, when the model is not. */
 bool instance_exchange(Instance *c);
@@ -134,10 +148,16 @@ double *instance_x(const Instance *c);
 /* What follows from reals, state and u no longer does. */
 void instance_changed(Instance *c);
 
-/* Bring led, rates, indicators up to date. */
+/* Bring led, rates up to date. */
 Status instance_lead(Instance *c);
 Status instance_rates(Instance *c);
-Status instance_indicators(Instance *c);
+
+/* Between these two a kernel sees the state on the constraints, where a solver outside gave another. */
+Status instance_begin(Instance *c);
+void instance_end(Instance *c);
+
+/* Tells what a kernel of a state said; OK when it said nothing. */
+Status instance_report(Instance *c, const char *doing, int32_t broken, int64_t status);
 
 /* Brings y, and the state before it, up to date with parameters, start values and inputs. */
 Status instance_outputs(Instance *c);

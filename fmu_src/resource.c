@@ -10,6 +10,7 @@
 #include "crc32.h"
 #include "kernels.h"
 #include "sha256.h"
+#include "survey.h"
 #include "tape.h"
 
 #ifdef _WIN32
@@ -203,6 +204,20 @@ static bool is_sealed(const Start *start, const unsigned char *numbers, size_t s
     return strcmp(guid, start->guid) == 0;
 }
 
+bool resource_is_arranged(const int64_t head[], const int64_t length[], char *why, size_t why_size)
+{
+    for (int k = N_COUNT; k < HEADER_LENGTH; k++) {
+        const Array *array = &ARRAYS[k - N_COUNT];
+        int64_t count = array->count == ONCE ? 1 : head[array->count];
+        int64_t room = length[array->buffer], at = head[k];
+
+        if (count < 0 || count > MAX_COUNT || at < 0 || at > room
+            || array->width * count > room - at)
+            return fail(why, why_size, "its array '%s' lies outside its buffer", array->name);
+    }
+    return true;
+}
+
 /* Whether all arrays lie in their buffers. */
 static bool is_arranged(const Resource *r, char *why, size_t why_size)
 {
@@ -216,16 +231,7 @@ static bool is_arranged(const Resource *r, char *why, size_t why_size)
     if (r->n.ints < HEADER_LENGTH || r->ints[COUNT_n_u] != r->n.u || r->ints[COUNT_n_y] != r->n.y)
         return fail(why, why_size, "its sizes do not agree with those of its arrays");
 
-    for (int k = N_COUNT; k < HEADER_LENGTH; k++) {
-        const Array *array = &ARRAYS[k - N_COUNT];
-        int64_t count = array->count == ONCE ? 1 : r->ints[array->count];
-        int64_t room = length[array->buffer], at = r->ints[k];
-
-        if (count < 0 || count > MAX_COUNT || at < 0 || at > room
-            || array->width * count > room - at)
-            return fail(why, why_size, "its array '%s' lies outside its buffer", array->name);
-    }
-    return true;
+    return resource_is_arranged(r->ints, length, why, why_size);
 }
 
 /* Whether all variables lie in their buffers. */
@@ -239,7 +245,8 @@ static bool are_variables_good(const Resource *r, char *why, size_t why_size)
         [VARIABLE_CONSTANT] = r->n.reals,
         [VARIABLE_STATE] = r->ints[COUNT_n_x],
         [VARIABLE_RATE] = r->ints[COUNT_n_x],
-        [VARIABLE_INDICATOR] = 2 * r->ints[COUNT_n_stop],
+        [VARIABLE_INDICATOR] = 2 * (r->ints[COUNT_n_stop] + r->survey[SURVEY_WATCHED].n_y),
+        [VARIABLE_LOCAL] = r->survey[SURVEY_MOTION].n_y + r->survey[SURVEY_EFFORTS].n_y,
     };
     int64_t states = 0, indicators = 0;
 
@@ -290,7 +297,8 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
 
     /* numbers: 8 bytes each; strings: at least their NUL */
     int64_t per_variable = sizeof(Variable) / 8;
-    int64_t n_numbers = r->n.ints + r->n.reals + r->n.u + per_variable * r->n.variables;
+    int64_t n_numbers = r->n.ints + r->n.reals + r->n.u + per_variable * r->n.variables
+                        + r->n.survey_ints + r->n.survey_reals;
     int64_t n_strings = r->n.variables + r->n.places + 2 * r->n.messages + r->n.notices;
     int64_t room = (int64_t)(length - sizeof start) - SHA256_SIZE;
 
@@ -303,13 +311,15 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     r->reals = (const double *)(r->ints + r->n.ints);
     r->u_start = r->reals + r->n.reals;
     r->variables = (const Variable *)(r->u_start + r->n.u);
+    r->survey_ints = (const int64_t *)(r->variables + r->n.variables);
+    r->survey_reals = (const double *)(r->survey_ints + r->n.survey_ints);
 
     if (!is_sealed(&start, data, (size_t)(8 * n_numbers + SHA256_SIZE)))
         return fail(why, why_size, "its contents are not those that its GUID was made of");
-    if (!is_arranged(r, why, why_size)) return false;
+    if (!is_arranged(r, why, why_size) || !survey_take(r, why, why_size)) return false;
 
     const unsigned char *tape =
-        (const unsigned char *)(r->variables + r->n.variables) + SHA256_SIZE;
+        (const unsigned char *)(r->survey_reals + r->n.survey_reals) + SHA256_SIZE;
 
     if (!tape_take(r, tape)) return fail(why, why_size, "its tape is damaged");
 

@@ -7,6 +7,7 @@
      char guid[GUID_SIZE]
      int64 ints[n.ints]; double reals[n.reals]; double u_start[n.u]
      Variable variables[n.variables], by value reference
+     int64 survey_ints[n.survey_ints]; double survey_reals[n.survey_reals]: see survey.h
      unsigned char told[32]: a digest of what modelDescription.xml says of the variables
      the tape (tape.h): double constants[n.constants]; Operation operations[n.operations];
      TapeGuard guards[n.guards]; int32 results[n.results]; zeros up to a multiple of 8 bytes
@@ -38,6 +39,17 @@ typedef struct {
     int32_t operation, holds;
 } TapeGuard;
 
+/* Lists of outputs beside those of the model: of locals, those that need no accelerations and those that do; and of what is
+   watched for kinks. */
+typedef enum { SURVEY_MOTION, SURVEY_EFFORTS, SURVEY_WATCHED, N_SURVEY } Surveyed;
+
+/* One of them: what stands behind the model's ints, a head of its own first, and reals; no ints: there is none. */
+typedef struct {
+    const int64_t *ints;
+    const double *reals;
+    int64_t n_ints, n_reals, n_work, n_y;
+} Survey;
+
 typedef struct {
     Sizes n;
     char guid[GUID_SIZE]; /* NUL-padded, and NUL-terminated */
@@ -46,6 +58,12 @@ typedef struct {
     const double *reals;       /* start values of an instance's reals */
     const double *u_start;     /* start values of the inputs */
     const Variable *variables; /* by value reference; each lies in its buffer */
+
+    const int64_t *survey_ints;
+    const double *survey_reals;
+    Survey survey[N_SURVEY];
+    const int64_t *n_kinks; /* of each number that is watched */
+    const double *kinks;
 
     const double *constants;
     const Operation *operations;
@@ -67,6 +85,9 @@ typedef struct {
 bool resource_read(Resource *r, const char *location, char *why, size_t why_size);
 
 void resource_free(Resource *r);
+
+/* Whether the arrays of a head of ints lie in buffers of these lengths, by Buffer. */
+bool resource_is_arranged(const int64_t head[], const int64_t length[], char *why, size_t why_size);
 
 /* the text of a status code, or NULL */
 const char *resource_message(const Resource *r, int64_t code);

@@ -41,6 +41,8 @@ static const char *fault_of(const Instance *c, const Snapshot *s)
     if (memcmp(s->guid, r->guid, GUID_SIZE) != 0) return "it belongs to another FMU";
     if (s->n_reals != r->n.reals || s->n_state != r->n.state || s->n_u != r->n.u)
         return "its sizes are not those of this FMU";
+    if (s->core.mode == EVENT && !c->exchanges)
+        return c->has_events ? NULL : "it is one in event mode, and this instance has none";
     if (s->core.mode & (c->exchanges ? STEP_MODES : EXCHANGE_MODES))
         return c->exchanges ? "it is one of co-simulation" : "it is one of model exchange";
     return NULL;
@@ -141,7 +143,7 @@ static bool is_possible(const Instance *c, const Core *core)
 {
     const Resource *r = &c->resource;
     const double *reals = (const double *)(core + 1), *state = reals + r->n.reals;
-    const double *u = state + r->n.state;
+    const double *u = state + r->n.state, *piece = u + N_DERIVATIVE * r->n.u;
     int64_t mode = core->mode;
 
     if (mode != INSTANTIATED && mode != INITIALIZATION && mode != STEP_COMPLETE
@@ -159,6 +161,8 @@ static bool is_possible(const Instance *c, const Core *core)
         if (!isfinite(reals[i]) && !(reals[i] == r->reals[i])) return false;
     for (int64_t i = 0; i < N_DERIVATIVE * r->n.u; i++)
         if (!isfinite(u[i])) return false;
+    for (int64_t i = 0; i < r->survey[SURVEY_WATCHED].n_y; i++)
+        if (!(piece[i] >= 0 && piece[i] <= 1 + (double)r->n_kinks[i])) return false;
     return true;
 }
 

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "events.h"
+#include "survey.h"
 #include "tolerance.h"
 
 static int64_t kind_of(const Instance *c, uint32_t vr)
@@ -16,7 +18,7 @@ static bool is_calculated(const Instance *c, uint32_t vr)
     int64_t kind = kind_of(c, vr);
 
     return kind == VARIABLE_OUTPUT || kind == VARIABLE_STATE || kind == VARIABLE_RATE
-           || kind == VARIABLE_INDICATOR;
+           || kind == VARIABLE_INDICATOR || kind == VARIABLE_LOCAL;
 }
 
 /* Brings the value of a variable up to date. */
@@ -26,7 +28,8 @@ static Status find(Instance *c, uint32_t vr)
         case VARIABLE_OUTPUT:    return instance_outputs(c);
         case VARIABLE_STATE:     return instance_prepare(c);
         case VARIABLE_RATE:      return instance_rates(c);
-        case VARIABLE_INDICATOR: return instance_indicators(c);
+        case VARIABLE_INDICATOR: return events_indicators(c);
+        case VARIABLE_LOCAL:     return survey_local(c, c->resource.variables[vr].index);
         default:                 return STATUS_OK;
     }
 }
@@ -41,6 +44,7 @@ double *variables_place(const Instance *c, uint32_t vr)
         case VARIABLE_STATE:     return instance_x(c) + index;
         case VARIABLE_RATE:      return c->rates + index;
         case VARIABLE_INDICATOR: return c->indicators + index;
+        case VARIABLE_LOCAL:     return c->surveyed + index;
         default:                 return c->reals + index;
     }
 }

@@ -292,6 +292,8 @@ class Scene(_scene.SceneData):
         fmi : among the options, 2 or 3; by default FMI 2.0.
         specialise : among the options, True for libraries of this scene alone (docs/specialise.md).
         with_sources : among the options, True for its code in C99 too, in sources/.
+        lean : among the options, True to leave out the local variables: motions of all joints and bodies, and
+        what joints bear.
         bind : names of parameters that are constants of the FMU; by default these three are as [code] in the
         scene says.
         at_rest : whether it gets the Boolean parameter `solver.start_at_equilibrium`, false at first; with

@@ -100,7 +100,6 @@ def test_version(arms):
         ({"path": b""}, "the resource location is missing"),
         ({"path": b"/nowhere/at/all/"}, "'/nowhere/at/all/model.bin' cannot be opened"),
         ({"kind": "ScheduledExecution"}, "not for scheduled execution"),
-        ({"extra": (c_bool(True), c_bool(False), None, c_size_t(0))}, "hasEventMode = false"),
         (
             {"extra": (c_bool(False), c_bool(False), (ctypes.c_uint * 1)(0), c_size_t(1))},
             "there is no intermediateUpdate to tell them to",
@@ -250,6 +249,8 @@ def test_what_the_flags_deny_is_refused(arm):
         "canGetAndSetFMUState",
         "canReturnEarlyAfterIntermediateUpdate",
         "canSerializeFMUState",
+        "hasEventMode",
+        "mightReturnEarlyFromDoStep",
         "providesIntermediateUpdate",
         "canHandleVariableCommunicationStepSize",
         "providesAdjointDerivatives",

@@ -63,6 +63,19 @@ class Place(NamedTuple):
         return self.row * layout.ARRAY[self.array].width + self.offset
 
 
+class Watched(NamedTuple):
+    """A quantity that tables are over, and what is asked to stop where they have kinks.
+
+    tables : of these. edges : how many knots in from either end they go on straight; those knots are kinks too.
+    """
+
+    name: str
+    unit: str | None
+    source: Source
+    tables: tuple[int, ...]
+    edges: int = 0
+
+
 class Told(NamedTuple):
     """What is compared to tell whether a given start value was kept: a kind of kernels/notes.py, and what of (see there)."""
 
@@ -147,6 +160,7 @@ class Builder:
     loop_hints : for each constraint, whose starts would help where it cannot be closed.
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     radiations : forces with memories of waves, in the order of these.
+    watched : what tables that may have kinks are over, but time.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     starts_elsewhere : joints start as was found on another tree, whatever is given.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
@@ -180,6 +194,7 @@ class Builder:
         self.reactions = []
         self.torque_inputs = {}
         self.radiations = []
+        self.watched = []
         self.wave_places = []
         self._markers = {}
         self.coordinates = {}
@@ -255,6 +270,11 @@ class Builder:
             self.coordinates[key] = self.tables["n_coordinate"].add(**self._coordinate_row(joint, k))
 
         return self.coordinates[key]
+
+    def watch(self, name, unit, source, *tables, edges=0):
+        """Have solvers outside stop where tables over a quantity have kinks (`Watched`); -1 is no table."""
+        if min(tables) >= 0:
+            self.watched.append(Watched(name, unit, source, tables, edges))
 
     def _coordinate_row(self, joint, k):
         """Coordinate k of a joint: that of its node in the tree, or what is seen between its markers."""

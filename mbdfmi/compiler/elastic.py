@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..kernels import outputs
 from ..kernels.math.tables import LINEAR
-from .builder import Place
+from .builder import Place, Source
 from .interpolation import curve
 from .variables import dotted
 
@@ -63,6 +64,15 @@ def add_along(builder, name, coordinate, spring, damper, units, key):
         joint_rest=spring.rest,
         joint_damping=damper.damping,
     )
+    watch(
+        builder,
+        name,
+        unit,
+        Source(outputs.COORDINATE, coordinate),
+        Source(outputs.RATE, coordinate),
+        spring,
+        damper,
+    )
 
     if linear:
         about, place = f"stiffness of {name}", Place("joint_stiffness", row)
@@ -75,6 +85,12 @@ def add_along(builder, name, coordinate, spring, damper, units, key):
         builder.add_parameters(dotted(name, key), place, damper.damping, f"{effort}.s/{unit}", about)
 
     return row
+
+
+def watch(builder, name, unit, length, rate, spring, damper):
+    """Watch for kinks of a spring's table over a coordinate or length (a Source), and of a damper's over its rate."""
+    builder.watch(dotted(name, "spring"), unit, length, spring.table)
+    builder.watch(dotted(name, "damper"), f"{unit}/s", rate, damper.table)
 
 
 def _elastic_table(builder, graph):

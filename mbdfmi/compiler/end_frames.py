@@ -49,7 +49,7 @@ def _add_end_frame(builder, name, joint):
             builder.add_parameters(variable, Place("s_start", first + k), value, unit, about, "fixed")
             builder.tell(Told(notes.PARAMETER, first + k), f"the parameter s{ending} of {name}", 0.0)
 
-    return builder.tables["n_end_frame"].add(
+    row = builder.tables["n_end_frame"].add(
         end_frame_kind=touching.KINDS[joint.kind],
         end_frame_a=builder.joint_marker(name, 0, np.eye(3)),
         end_frame_b=builder.joint_marker(name, 1, np.eye(3)),
@@ -58,6 +58,33 @@ def _add_end_frame(builder, name, joint):
         end_frame_z=first,
         end_frame_given=given or joint.driver is not None,
     )
+    _watch_ends(builder, name, row, joint, shapes)
+    return row
+
+
+def _watch_ends(builder, name, row, joint, shapes):
+    """Watch for the ends of splines and of tables of surfaces, beyond which these are straight."""
+    units = parameter_units(builder, joint)
+    k = 0
+
+    for shape, index, end in zip(joint.shapes, shapes, joint.between):
+        count = {"curve": 1, "surface": 2}.get(shape, 0)
+        names = [f"s[{i + 1}]" if len(units) > 1 else "s" for i in range(k, k + count)]
+        sources = [Source(outputs.CONTACT_S, row, i) for i in range(k, k + count)]
+
+        if shape == "curve" and _ends(builder.scene.marker(end).curve):
+            first = builder.tables["n_curve"].columns["curve_table"][index].item()
+            builder.watch(dotted(name, names[0]), units[k], sources[0], first, first + 1, first + 2)
+        elif shape == "surface" and builder.scene.marker(end).surface.kind == "table":
+            for i, table in enumerate(builder.tables["n_surface"].columns["surface_table"][index]):
+                builder.watch(dotted(name, names[i]), units[k + i], sources[i], int(table), edges=1)
+
+        k += count
+
+
+def _ends(curve):
+    """Whether a curve is a spline with ends."""
+    return hasattr(curve, "points") and not curve.closed
 
 
 def n_normal(builder, joint):

@@ -8,7 +8,7 @@ from ..kernels.motion.coordinates import TWIST
 from ..vectors import norm
 from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS, TORSION_OUTPUTS
 from .builder import Place, Source
-from .elastic import add_along, damper_of, spring_of
+from .elastic import add_along, damper_of, spring_of, watch
 from .hydrodynamics import add_hydrodynamics
 from .lines import add_catenary
 from .start import start_pose
@@ -88,6 +88,9 @@ def _add_strut(builder, name, force, ends):
         strut_damping=damper.damping,
         strut_rest=spring.rest,
         strut_told=spring.rest,
+    )
+    watch(
+        builder, name, "m", Source(outputs.STRUT_LENGTH, row), Source(outputs.STRUT_RATE, row), spring, damper
     )
 
     if spring.is_linear:

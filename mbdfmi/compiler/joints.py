@@ -193,7 +193,7 @@ def _add_outputs(builder, name, joint, parts, fed_by):
         elif output in CONTACT_OUTPUTS:
             add_contact_output(builder, name, output)
         elif output in REACTIONS:
-            _add_reaction(builder, name, REACTIONS[output])
+            add_reaction(builder, name, REACTIONS[output])
         elif EFFORT_OUTPUTS.get(output) in EFFORT_KINDS:
             _add_effort(builder, name, joint, output, parts, fed_by)
         elif output == "power":
@@ -202,14 +202,15 @@ def _add_outputs(builder, name, joint, parts, fed_by):
             source = Source(kind, builder.coordinate(name))
             builder.add_outputs(dotted(name, output), source, "W", about, builder.nodes_of(name), fed_by)
         elif output in POSE_EFFORTS:
-            _add_pose_efforts(builder, name, output)
+            add_pose_efforts(builder, name, output)
         elif kind_of(joint).is_pose or joint.kind == "prescribed":
-            _add_pose_output(builder, name, joint, output)
+            add_pose_output(builder, name, joint, output)
         else:
-            _add_coordinate_outputs(builder, name, joint, output)
+            add_coordinate_outputs(builder, name, joint, output)
 
 
-def _add_reaction(builder, name, reaction):
+def add_reaction(builder, name, reaction):
+    """What a joint passes on to its second marker."""
     side = int(reaction.name.endswith("_body"))
     axes = ("its first marker's axes", "that marker's axes")[side]
     about = f"{reaction.text} that {name} passes on to its second marker, in {axes}"
@@ -227,14 +228,15 @@ def _add_effort(builder, name, joint, output, parts, fed_by):
     builder.add_outputs(dotted(name, output), source, unit, about, builder.nodes_of(name), fed_by)
 
 
-def _add_pose_output(builder, name, joint, output):
+def add_pose_output(builder, name, joint, output):
+    """How the second marker of a joint is, or moves, in the first."""
     quantity = (POSE_OUTPUTS | ROTATION_OUTPUTS)[output]
     source = Source(POSE_KINDS[output], *map(builder.marker, joint.between))
     about = f"{quantity.text} of {name}: second marker in the first"
     builder.add_outputs(dotted(name, output), source, quantity.unit, about, builder.nodes_of(name))
 
 
-def _add_pose_efforts(builder, name, output):
+def add_pose_efforts(builder, name, output):
     """What drives a prescribed joint, along its coordinates."""
     quantity = POSE_EFFORTS[output]
     first = 3 * list(POSE_EFFORTS).index(output)
@@ -247,7 +249,7 @@ def _add_pose_efforts(builder, name, output):
         )
 
 
-def _add_coordinate_outputs(builder, name, joint, output):
+def add_coordinate_outputs(builder, name, joint, output):
     """One output of a joint of scalar coordinates."""
     for k, (coordinate, ending) in enumerate(scalars(joint)):
         position, rate, effort = coordinate

@@ -6,7 +6,7 @@ The names and shapes of the arrays are those of the table in `kernels/layout.py`
 import hashlib
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ from .planes import planar_starts
 from .reactions import add_reactions
 from .sea_limits import tell_steep_waves
 from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
+from .survey import NONE, Surveys, survey
 from .topology import Tree, absolute_tree, spanning_tree
 from .variables import Variable, reference_table
 
@@ -69,6 +70,8 @@ class Model:
     variables : inputs, outputs, parameters, in that order.
     exchanged : what model exchange adds to them, and an FMU's value references count on: states, their rates, indicators of events;
         nothing where the model is for co-simulation only.
+    told_aside : locals of an FMU, behind these: how joints and bodies move and what they bear, evaluated only where they are read.
+    surveys : what these, and the indicators of kinks, are evaluated by.
     places : names that a kernel's status can point to: the nodes of the tree, then the constraints, whose starts would help to close
         each of these, and names of other things.
     tree : nodes, and where the bodies are in them.
@@ -97,6 +100,8 @@ class Model:
     notices: list[str]
     formulation: str = "recursive"
     rest: RestingStart | None = None
+    told_aside: list[Variable] = field(default_factory=list)
+    surveys: Surveys = field(default_factory=Surveys)
 
     def __getattr__(self, name):
         """Counts of the layout table by name, e.g. `model.n_v`."""
@@ -125,19 +130,29 @@ class Model:
     @property
     def listed(self) -> list[Variable]:
         """All variables of an FMU, by value reference."""
-        return self.variables + self.exchanged
+        return self.variables + self.exchanged + self.told_aside
 
     @property
     def exchanges(self) -> bool:
         """Whether it can be integrated by a solver outside."""
         return bool(self.exchanged)
 
+    def lean(self, whole: bool = False) -> "Model":
+        """The same without locals; `whole`: without anything that a survey tells, so without kinks and commanded motions in model
+        exchange too."""
+        if not whole:
+            return replace(self, told_aside=[], surveys=replace(self.surveys, motion=NONE, efforts=NONE))
+
+        first = 2 * self.n_stop
+        exchanged = [v for v in self.exchanged if v.causality != "indicator" or v.index < first]
+        return replace(self, told_aside=[], surveys=Surveys(), exchanged=[] if self.n_command else exchanged)
+
     def nominal_of(self, state: Variable) -> float:
         """The size that a state has."""
         return float(self.reals[self.ints[layout.SLOT["x_nominal"]] + state.index])
 
     def of_causality(self, causality: str) -> list[Variable]:
-        """Inputs, outputs, parameters, constants, states, rates or indicators."""
+        """Inputs, outputs, parameters, constants, states, rates, indicators or locals."""
         return [v for v in self.listed if v.causality == causality]
 
 
@@ -224,7 +239,10 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     model = _assemble(builder, STEPPERS[scene.solver.integrator], list_states(builder, _scene_length(scene)))
     meet_waves(builder, model)
     notices = scene.notices + [str(notice) for notice in builder.notices]
-    return replace(model, notices=notices)
+    surveys, told, indicators = survey(builder, model)
+    return replace(
+        model, notices=notices, surveys=surveys, told_aside=told, exchanged=model.exchanged + indicators
+    )
 
 
 # the stepper of models that are asked for their start alone: it keeps the least
@@ -265,7 +283,7 @@ def _assemble(builder, stepper, states=()):
         **_list_variables(builder, states, offset),
         places=places,
         tree=builder.tree,
-        coordinates=builder.coordinates,
+        coordinates=dict(builder.coordinates),
         notices=[],
     )
 
@@ -273,10 +291,12 @@ def _assemble(builder, stepper, states=()):
 def _list_variables(builder, states, offset):
     """All variables, and those of model exchange, as fields of a Model.
 
-    Where inputs command motions the speeds follow from those of the inputs, which no solver outside tells.
+    Where inputs command motions without their accelerations, what is not told is found from one communication step to the next:
+    there is no such step for a solver outside.
     """
     variables = builder.list_variables(offset)
-    led = None if builder.tables["n_command"].length else led_by(builder, states)
+    told = builder.tables["n_command"].columns.get("command_u", [])
+    led = led_by(builder, states) if all(u[2] >= 0 for u in told) else None
 
     if led is None or not states:
         return {"variables": variables, "exchanged": []}
@@ -427,13 +447,14 @@ def with_values(model: Model, values: Mapping[str, float], notices: Sequence[str
     return replace(model, reals=reals, variables=variables, notices=model.notices + notices)
 
 
-SEALED_SIZES = ("ints", "reals", "state", "work", "u", "y", "variables")
+SEALED_SIZES = ("ints", "reals", "state", "work", "u", "y", "variables", "survey_ints", "survey_reals")
 """Sizes that the GUID is made of, in their order."""
 
 
 def sealed(model: Model) -> tuple[bytes, bytes]:
     """What the GUID is made of, little endian, as it lies in an FMU: (SEALED_SIZES, the numbers and a digest of
     what is told of the variables); see fmu_src/resource.h."""
+    survey_ints, survey_reals = model.surveys.data()
     sizes = (
         len(model.ints),
         len(model.reals),
@@ -442,6 +463,8 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.n_u,
         model.n_y,
         len(model.listed),
+        len(survey_ints),
+        len(survey_reals),
     )
     u_start = np.zeros(model.n_u, "<f8")
 
@@ -453,6 +476,8 @@ def sealed(model: Model) -> tuple[bytes, bytes]:
         model.reals.astype("<f8"),
         u_start,
         reference_table(model.listed),
+        survey_ints.astype("<i8"),
+        survey_reals.astype("<f8"),
     )
     told = hashlib.sha256(repr((model.listed, model.places)).encode()).digest()
     return np.array(sizes, "<i8").tobytes(), b"".join(array.tobytes() for array in numbers) + told

@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import fmi_name
 from ..scene.errors import nearest
 
-KINDS = ("input", "output", "fixed", "tunable", "state", "rate", "indicator", "constant")
+KINDS = ("input", "output", "fixed", "tunable", "state", "rate", "indicator", "constant", "local")
 """What a value reference is, as numbers in an FMU: its causality; of a parameter its variability."""
 
 TABLE = np.dtype([("kind", "<i8"), ("index", "<i8"), ("length", "<i8")])
@@ -23,7 +23,7 @@ class Variable:
     """A scalar variable. Its FMI value reference is its position in `Model.variables`.
 
     name : structured FMI name, indices 1-based.
-    causality : "input", "output", "parameter", or "constant", a parameter that is bound; of what model exchange adds "state", "rate" or "indicator".
+    causality : "input", "output", "parameter", or "constant", a parameter that is bound; of what model exchange adds "state", "rate" or "indicator"; "local" of what is told beside them.
     variability : "continuous"; parameters: "tunable" at any time, or "fixed" after initialisation; "constant".
     start : value at the start; None for outputs.
     unit : key of `units.UNITS`, None without unit.

@@ -206,14 +206,18 @@ def add_experiment(root, scene) -> None:
     element.set("stepSize", repr(experiment.step))
 
 
-INITIAL = {"input": None, "parameter": "exact", "constant": "exact"}
-"""`initial` of a variable by its causality in the model; of all others "calculated"."""
+INITIAL = {"input": None, "local": None, "parameter": "exact", "constant": "exact"}
+"""`initial` of a variable by its causality in the model; of all others "calculated", which is so of locals without a word."""
 
 
-def causality_in_fmi(variable) -> str:
-    """The causality that FMI knows."""
+def roles_of(variable) -> dict[str, str]:
+    """Causality and variability as FMI knows them; nothing of the many local variables, which have those by default."""
+    if variable.causality == "local":
+        return {}
+
     known = variable.causality in ("input", "output", "parameter")
-    return variable.causality if known else "local"
+    causality = variable.causality if known else "local"
+    return {"causality": causality, "variability": variable.variability}
 
 
 def _variables(root, model) -> None:
@@ -228,8 +232,7 @@ def _variables(root, model) -> None:
             name=variable.name,
             valueReference=str(reference),
             description=variable.description,
-            causality=causality_in_fmi(variable),
-            variability=variable.variability,
+            **roles_of(variable),
         )
         if initial := INITIAL.get(variable.causality, "calculated"):
             element.set("initial", initial)

@@ -18,10 +18,10 @@ from .description import (
     add_log_categories,
     add_types,
     add_units,
-    causality_in_fmi,
     checked,
     output_order,
     reference_of_rest,
+    roles_of,
     set_limits,
     set_type,
     start_of_rest,
@@ -71,9 +71,9 @@ def _kinds(root, model) -> None:
         canHandleVariableCommunicationStepSize="true",
         maxOutputDerivativeOrder=output_order(model),
         providesIntermediateUpdate="true",
-        mightReturnEarlyFromDoStep="false",
+        mightReturnEarlyFromDoStep="true",
         canReturnEarlyAfterIntermediateUpdate="true",
-        hasEventMode="false",
+        hasEventMode="true",
         **common,
     )
 
@@ -98,8 +98,7 @@ def _variables(root, model, found: list[ArrayVariable]) -> None:
             name=array.name,
             valueReference=str(array.first),
             description=variable.description + _units_by_rows(array),
-            causality=causality_in_fmi(variable),
-            variability=variable.variability,
+            **roles_of(variable),
         )
         if initial := INITIAL.get(variable.causality, "calculated"):
             element.set("initial", initial)

@@ -5,6 +5,7 @@ import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from ..compiler.survey import MOST_LOCALS
 from ..files import check_ending, replacing, same
 from ..kernels.status import MESSAGES
 from ..native.platforms import PLATFORMS, host_platform
@@ -36,6 +37,7 @@ def export_fmu(
     pictures: tuple[bytes, bytes] | None = None,
     specialise: bool = False,
     with_sources: bool = False,
+    lean: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Write a model as an FMU for co-simulation, and model exchange where it can, and return its path.
@@ -46,6 +48,7 @@ def export_fmu(
     pictures    of the scene (PNG), for the page of documentation and for the icon; without them a general icon
     specialise  libraries of this scene alone, smaller and faster (docs/specialise.md); compiled for it now
     with_sources  the scene's own code in C99 too, in sources/ (docs/specialise.md)
+    lean        without local variables
     progress    is told in a few words when something takes long
 
     The file is written whole or not at all; "-" is the standard output. With SOURCE_DATE_EPOCH set, the same
@@ -62,6 +65,15 @@ def export_fmu(
         raise ValueError(f"fmi = {fmi!r}: the versions of FMI that an FMU can be written for are 2 and 3")
 
     chosen = sorted(set(platforms or [host_platform()]))  # x86_64 last: it wins where folders clash
+
+    if model.surveys.left_out and not (lean or specialise or with_sources):
+        progress(f"without {model.surveys.left_out}, which would be more than {MOST_LOCALS} numbers")
+
+    if (specialise or with_sources) and model.told_aside:
+        progress("without local variables: the scene's own code is of its outputs alone")
+
+    if lean or specialise or with_sources:
+        model = model.lean(whole=specialise or with_sources)
 
     if not model.exchanges:
         progress(f"for co-simulation only, without model exchange: {_why_not_exchanged(model)}")
@@ -109,7 +121,10 @@ def export_fmu(
 def _why_not_exchanged(model):
     """Why a model has no model exchange."""
     if model.n_command:
-        return "inputs command motions, and their speeds are not told there"
+        return (
+            "inputs command motions without their accelerations, which are found from one communication step to the next; "
+            "with input = true there is model exchange too"
+        )
 
     return (
         "too many outputs depend on too many states" if model.n_x else "nothing in the scene moves by forces"

@@ -46,6 +46,11 @@ some minutes; later ones take a second.""",
         help="keep the scene file out of the FMU (its numbers are in there all the same)",
     )
     command.add_argument(
+        "--lean",
+        action="store_true",
+        help="without local variables: coordinates, poses and reactions that are no outputs of the scene",
+    )
+    command.add_argument(
         "--specialise",
         action="store_true",
         default=None,
@@ -109,6 +114,7 @@ def run(options):
                         platforms,
                         with_scene=not options.no_scene,
                         fmi=fmi,
+                        lean=options.lean,
                         specialise=options.specialise,
                         with_sources=options.sources,
                         bind=options.bind and options.bind.split(","),
