@@ -1,5 +1,6 @@
 """The command `mbdfmi`: a file for each of its commands (commands/), what they share beside them."""
 
+import gc
 import os
 
 from .parser import parser
@@ -8,9 +9,13 @@ from .terminal import carry_out
 # no model here has plugins; to look for them is to read what all installed packages say of themselves
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
+# modules and their classes stay: looking for garbage as often as Python would is a tenth of a short command
+OBJECTS_BEFORE_A_LOOK = 50_000
+
 __all__ = ["carry_out", "main"]
 
 
 def main(arguments=None) -> int:
     """Run the command line; returns the exit status: 0 done, 1 failed with a message."""
+    gc.set_threshold(OBJECTS_BEFORE_A_LOOK)
     return carry_out(parser(), arguments)

@@ -1,6 +1,7 @@
 """What a scene's tables are made of: numbers, arrays, axes, choices, and the tables themselves."""
 
 import math
+from contextvars import ContextVar
 from functools import cache
 from typing import Annotated, ClassVar, Union, get_args
 
@@ -14,6 +15,7 @@ from pydantic import (
     ValidationError,
     model_validator,
 )
+from pydantic_core import core_schema
 
 from ..vectors import dot, norm
 from .errors import SceneError, did_you_mean, listed, show
@@ -283,6 +285,10 @@ def as_given(part, key):
 # tables
 
 
+# the class whose validator is being built
+_building: ContextVar[type | None] = ContextVar("_building", default=None)
+
+
 class _PartType(type(BaseModel)):
     def __call__(cls, *args, **kwargs):
         # only parts made by hand come here, not those pydantic makes inside another
@@ -307,6 +313,38 @@ class Part(BaseModel, metaclass=_PartType):
     kind: ClassVar[str | None] = None
     exclusive: ClassVar[tuple] = ()
     needed: ClassVar[tuple] = ()
+
+    @classmethod
+    def model_rebuild(cls, **options):
+        """Builds the validator of this class alone."""
+        before = _building.set(cls)
+
+        try:
+            return super().model_rebuild(**options)
+        finally:
+            _building.reset(before)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source, handler):
+        """Inside another part it is checked by a validator of its own, which is built when a scene first has such a table: those
+        of all kinds together take longer than a scene.
+        """
+        if _building.get() is cls:
+            return handler(source)
+
+        return core_schema.with_info_plain_validator_function(
+            lambda value, info: cls.__pydantic_validator__.validate_python(value, context=info.context),
+            ref=f"{cls.__module__}.{cls.__qualname__}:{id(cls)}",
+        )
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema, handler):
+        """That of the class, also where it stands inside another part."""
+        if schema["type"] == "function-plain":
+            cls.model_rebuild()
+            schema = cls.__pydantic_core_schema__
+
+        return handler(schema)
 
     def __setattr__(self, name, value):
         if name.startswith("_"):

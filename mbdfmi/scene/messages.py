@@ -2,6 +2,8 @@
 
 from typing import Annotated, get_args, get_origin
 
+from pydantic import ValidationError
+
 from .errors import NAMED_TABLES, Problem, did_you_mean, key_text, listed, show
 
 # Begins those steps of a pydantic location that name a member of a union.
@@ -11,7 +13,7 @@ TAG = "\0"
 def problems_of(error, cls, data):
     """The problems in a pydantic ValidationError, raised when `data` was to become a `cls`."""
     problems = []
-    for found in error.errors(include_url=False):
+    for found in _errors(error):
         # a default that waits on a value which has its own message
         if found["type"] == "default_factory_not_called":
             continue
@@ -23,6 +25,18 @@ def problems_of(error, cls, data):
             text = f"needs a table of its own, [{path[0]}.NAME]; found {show(value)}"
         problems.append(Problem(path, text))
     return problems
+
+
+def _errors(error):
+    """Those of a ValidationError, those of the parts inside (fields.Part) at their places."""
+    for found in error.errors(include_url=False):
+        inner = found.get("ctx", {}).get("error")
+
+        if isinstance(inner, ValidationError):
+            for deeper in _errors(inner):
+                yield deeper | {"loc": (*found["loc"], *deeper["loc"])}
+        else:
+            yield found
 
 
 def _path(location, data):

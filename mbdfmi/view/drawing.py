@@ -20,8 +20,8 @@ FINE = 2
 # how often, and down to how many pixels, long slanting triangles are cut
 CUTS, SHORT = 6, 16
 
-# fragments in hand at once; layers of what is seen through
-MOST = 2_000_000
+# fragments in hand at once, few enough for the cache; layers of what is seen through
+MOST = 100_000
 LAYERS = 6
 
 
