@@ -1,4 +1,5 @@
-/* An FMU of FMI 2.0, x' = u and y = x + 2u, that does all well; with FAULTY it does all that a probe asks for wrong. */
+/* An FMU of FMI 2.0, x' = u and y = x + 2u, for co-simulation and model exchange, that does all well; with FAULTY it does all
+   that a probe asks for wrong. An event at each half second, and where x goes through 0.01, changes nothing. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,11 +13,11 @@ enum { FAULTY_ = 1 };
 enum { FAULTY_ = 0 };
 #endif
 
-enum { U, Y, K, N };
+enum { U, Y, K, X, DX, N };
 
 typedef struct {
     double v[N], x, t, du;
-    int runs;
+    int runs, exchanges, calls;
 } State;
 
 static int instances; /* of the process: what ought to be of each */
@@ -40,6 +41,7 @@ static void start(State *s)
 {
     memset(s, 0, sizeof *s);
     s->v[K] = FAULTY_ ? 4.0 : 3.0;
+    s->x = FAULTY_ ? 0.5 : 0.0;
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String location,
@@ -48,9 +50,9 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 {
     State *s = malloc(sizeof *s);
 
-    (void)name, (void)type, (void)guid, (void)location, (void)functions, (void)visible,
-        (void)logging;
+    (void)name, (void)guid, (void)location, (void)functions, (void)visible, (void)logging;
     start(s);
+    s->exchanges = type == fmi2ModelExchange;
     s->runs = instances++;
     return s;
 }
@@ -88,7 +90,10 @@ fmi2Status fmi2Terminate(fmi2Component c)
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
+    int exchanges = of(c)->exchanges;
+
     if (!FAULTY_) start(c);
+    of(c)->exchanges = exchanges;
     return fmi2OK;
 }
 
@@ -99,6 +104,8 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     for (size_t i = 0; i < n; i++) {
         if (!FAULTY_ && vr[i] >= N) return fmi2Error;
         s->v[Y] = s->x + 2 * s->v[U] + (FAULTY_ ? 1e-3 * s->runs : 0);
+        s->v[X] = s->x;
+        s->v[DX] = s->v[U];
         value[i] = s->v[vr[i]];
     }
     return fmi2OK;
@@ -155,7 +162,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
     if (!*state) *state = malloc(sizeof(State));
     memcpy(*state, c, sizeof(State));
-    if (FAULTY_) ((State *)*state)->x *= 1 + 1e-12;
+    if (FAULTY_) ((State *)*state)->x += 1e-6;
     return fmi2OK;
 }
 
@@ -205,8 +212,90 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         size_t n, const fmi2ValueReference known[], size_t m,
                                         const fmi2Real seed[], fmi2Real sensitivity[])
 {
-    (void)c, (void)unknown, (void)known;
-    for (size_t i = 0; i < n; i++) sensitivity[i] = m > 0 ? (FAULTY_ ? 1.0 : 2.0) * seed[0] : 0;
+    (void)c;
+    for (size_t i = 0; i < n; i++) {
+        sensitivity[i] = 0;
+        for (size_t j = 0; j < m; j++) {
+            double one = unknown[i] == Y ? (known[j] == U ? 2.0 : 1.0) : known[j] == U ? 1.0 : 0.0;
+            sensitivity[i] += (FAULTY_ ? 0.5 : 1.0) * one * seed[j];
+        }
+    }
+    return fmi2OK;
+}
+
+/* model exchange */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c)
+{
+    (void)c;
+    return fmi2OK;
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
+{
+    State *s = of(c);
+
+    memset(info, 0, sizeof *info);
+    info->nextEventTimeDefined = fmi2True;
+    info->nextEventTime = FAULTY_ ? s->t - 1 : 0.5 * floor(s->t / 0.5 + 1.0);
+    if (FAULTY_) s->x += 1e-9;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
+{
+    (void)c;
+    return fmi2OK;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no, fmi2Boolean *event,
+                                       fmi2Boolean *end)
+{
+    (void)no;
+    *event = *end = fmi2False;
+    if (FAULTY_) of(c)->x += 1e-9;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real t)
+{
+    of(c)->t = t;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n)
+{
+    if (!FAULTY_ && (n != 1 || !isfinite(x[0]))) return fmi2Error;
+    of(c)->x = FAULTY_ ? (float)x[0] : x[0];
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
+{
+    if (n != 1) return fmi2Error;
+    x[0] = of(c)->x;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real rates[], size_t n)
+{
+    if (n != 1) return fmi2Error;
+    rates[0] = of(c)->v[U] + (FAULTY_ ? 1e-9 * of(c)->calls++ + 0 * of(c)->x : 0);
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n)
+{
+    if (n != 1) return fmi2Error;
+    z[0] = FAULTY_ ? (of(c)->calls++ % 2 ? 1.0 : -1.0) : of(c)->x - 0.01;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size_t n)
+{
+    (void)c;
+    if (n != 1) return fmi2Error;
+    x[0] = FAULTY_ ? 0.0 : 1.0;
     return fmi2OK;
 }
 

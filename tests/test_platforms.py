@@ -104,9 +104,22 @@ def outputs(host, folder, platform, fmi, scheme="file:///"):
     return np.array([[float.fromhex(number) for number in line.split()] for line in done.stdout.splitlines()])
 
 
+def sizes_of(folder, rows):
+    """The largest of each output of some rows, or a thousandth of the largest of its unit, or of 1."""
+    variables = fmpy.read_model_description(str(folder)).modelVariables
+    shown = [v for v in variables if v.causality == "output" and v.type in REAL]
+    units = [v.unit for v in shown for _ in range(math.prod(v.shape or ()))]
+    own, largest = np.abs(rows).max(0), defaultdict(lambda: 1.0)
+
+    for unit, value in zip(units, own, strict=True):
+        largest[unit] = max(largest[unit], value)
+
+    return np.maximum(own, [1e-3 * largest[unit] for unit in units])
+
+
 def compare(host, path, folder, platform):
-    """Outputs there and here, as parts of the largest of each, and of 1e-3 of their unit (gaps are rounding): how far apart,
-    at most, in both versions of FMI.
+    """How far apart outputs there and here are at most, in both versions of FMI: as parts of the largest of each, and at least
+    of a thousandth of the largest of their unit (energies that sum to zero, gaps are rounding of what is as large).
     """
     model, found = compile_scene(read_scene(path)), []
 
@@ -116,7 +129,8 @@ def compare(host, path, folder, platform):
         fmpy.extract(str(fmu), str(place))
         there, here = (outputs(host, place, name, fmi) for name in (platform, host_platform()))
         assert there.shape == here.shape and len(here) == STEPS
-        found.append(np.max(np.abs(there - here) / np.maximum(np.abs(here).max(0), 1e-3), initial=0.0))
+        size = sizes_of(place, here)
+        found.append(np.max(np.abs(there - here) / size, initial=0.0))
 
     return max(found)
 

@@ -18,6 +18,10 @@ fmpy.simulate_fmu(sys.argv[1], start_time=start, stop_time=start + 10 * step, ou
 """
 
 
+KINDS = {"CoSimulation": "in co-simulation", "ModelExchange": "in model exchange"}
+"""Of FMUs, in words."""
+
+
 def probe_fmu(path, limit=None):
     """Asks an FMU what no validator sees, and prints the answers.
 
@@ -41,17 +45,16 @@ def probe_fmu(path, limit=None):
     if notes:
         raise ValueError(f"{path}: it holds no library for {fmpy.platform}, nothing can be asked")
 
-    if fmpy.read_model_description(str(path), validate=False).coSimulation is None:
-        raise ValueError(f"{path}: it is for model exchange only; --probe asks FMUs for co-simulation")
-
     with doing_here(f"{path}: asking") as progress:
         answers = list(probe(path, limit or LIMIT, progress))
 
-    table = table_of("answer", "question", "seen")
-    for answer in answers:
-        style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
-        table.add_row(Text(answer.verdict, style), answer.question, answer.seen)
-    print_table(table)
+    for kind in dict.fromkeys(answer.kind for answer in answers):
+        table = table_of("answer", KINDS[kind], "seen")
+        for answer in answers:
+            if answer.kind == kind:
+                style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
+                table.add_row(Text(answer.verdict, style), answer.question, answer.seen)
+        print_table(table)
 
     faults += [answer.question for answer in answers if answer.verdict == FAULT]
     if faults:

@@ -1,6 +1,7 @@
 """Questions to an FMU of any maker that no static validator asks, each in a process of its own.
 
-What an FMU and its runs are is in `fmu`, the questions in `questions`, the processes here.
+What an FMU and its runs are is in `fmu` and, for model exchange, `exchange`; the questions are in `questions`
+and `exchange_questions`, the processes here.
 """
 
 import json
@@ -21,30 +22,36 @@ LIMIT = 30.0
 def probe(
     path: str | os.PathLike, limit: float = LIMIT, progress: Callable[[str], None] = lambda text: None
 ) -> Iterator[Answer]:
-    """The answers of an FMU (a file), one by one; `progress` is told what is asked.
+    """The answers of an FMU (a file), one by one, for each kind that it is; `progress` is told what is asked.
 
     A question that brings its process down, or takes longer than `limit` (s), is answered by that.
     """
     import fmpy
 
-    from .questions import QUESTIONS
+    from .kinds import KINDS
 
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         fmpy.extract(str(path), folder)
+        description = fmpy.read_model_description(folder, validate=False)
 
-        for name, question in QUESTIONS.items():
-            words = (question.__doc__ or "").splitlines()[0].rstrip(".")
-            progress(words)
-            yield Answer(words, *_ask(folder, name, limit))
+        for kind, (_, questions) in KINDS.items():
+            if getattr(description, kind[0].lower() + kind[1:]) is None:
+                continue
+
+            for name, question in questions.items():
+                words = (question.__doc__ or "").splitlines()[0].rstrip(".")
+                progress(words)
+                verdict, seen = _ask(folder, kind, name, limit)
+                yield Answer(words, verdict, seen, kind)
 
 
-def _ask(folder, name, limit):
+def _ask(folder, kind, name, limit):
     """(verdict, what was seen) of a question, from a process of its own."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own:
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
         environment |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), own)
         answer = Path(own) / "answer.json"
-        command = [sys.executable, "-m", __name__, folder, name, str(answer)]
+        command = [sys.executable, "-m", __name__, folder, kind, name, str(answer)]
 
         done = subprocess.Popen(
             command,

@@ -1,22 +1,24 @@
-"""python -m mbdfmi.probe FOLDER QUESTION FILE: asks an unpacked FMU; the answer goes to the file."""
+"""python -m mbdfmi.probe FOLDER KIND QUESTION FILE: asks an unpacked FMU; the answer goes to the file."""
 
 import json
 import os
 import sys
 from pathlib import Path
 
-from .fmu import Fmu, Refused
-from .questions import CONTINUE, QUESTIONS, go_on
+from .fmu import Refused
+from .kinds import KINDS
+from .questions import CONTINUE, go_on
 
-folder, name, file = sys.argv[1:4]
+folder, kind, name, file = sys.argv[1:5]
+asked, questions = KINDS[kind]
 
 if name == CONTINUE:
-    go_on(folder, Path(file))
+    go_on(asked(folder), Path(file))
 else:
     from .answers import FAULT
 
     try:
-        answer = QUESTIONS[name](Fmu(folder))
+        answer = questions[name](asked(folder))
     except Refused as refused:
         answer = FAULT, str(refused)
 

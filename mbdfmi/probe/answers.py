@@ -7,8 +7,12 @@ FAULT, GOOD, ABSENT, TOLD = "fault", "good", "–", "told"
 
 
 class Answer(NamedTuple):
-    """question : what was asked. verdict : FAULT, GOOD, ABSENT or TOLD. seen : what was found. In words."""
+    """question : what was asked. verdict : FAULT, GOOD, ABSENT or TOLD. seen : what was found. In words.
+
+    kind : of FMU, "CoSimulation" or "ModelExchange".
+    """
 
     question: str
     verdict: str
     seen: str
+    kind: str

@@ -1,4 +1,4 @@
-"""An unpacked FMU of any maker, for co-simulation, and runs of it."""
+"""An unpacked FMU of any maker, and runs of it in co-simulation."""
 
 import math
 import os
@@ -18,22 +18,33 @@ STEPS = 40
 """Of a run."""
 
 
+def apart(a, b) -> float:
+    """The largest difference, of each column's largest value."""
+    a, b = np.array(a, float), np.array(b, float)
+    size = np.abs(a).max(axis=0) + 1e-12
+    return float(np.nanmax(np.abs(a - b) / size, initial=0.0))
+
+
 class Refused(Exception):
     """A call that must work did not; the text says which."""
 
 
 class Fmu:
-    """A folder with an unpacked FMU, what of it can be asked, and how it is to be run.
+    """A folder with an unpacked FMU, what of it can be asked, and how it is to be run: in co-simulation.
 
-    inputs, parameters : of type real. outputs : all that are numbers.
+    inputs, parameters : of type real. outputs : all that are numbers. unknowns, knowns : what derivatives are
+    of and by, of type real.
     """
+
+    kind = "CoSimulation"
+    """What its flags are called in the description."""
 
     def __init__(self, folder):
         self.folder = str(folder)
         self.description = fmpy.read_model_description(self.folder)
-        self.flags = self.description.coSimulation
+        self.flags = getattr(self.description, self.kind[0].lower() + self.kind[1:])
         self.version = int(self.description.fmiVersion[0])
-        element = etree.parse(os.path.join(self.folder, "modelDescription.xml")).find("CoSimulation")
+        element = etree.parse(os.path.join(self.folder, "modelDescription.xml")).find(self.kind)
         self.claimed = dict(element.attrib) if element is not None else {}
         variables = [v for v in self.description.modelVariables if self.size(v)]
         self.inputs = [v for v in variables if v.causality == "input" and v.type in REAL]
@@ -43,17 +54,39 @@ class Fmu:
             for v in variables
             if v.causality == "parameter" and v.type in REAL and v.start not in (None, "")
         ]
+        self.unknowns = [v for v in self.outputs if v.type in REAL]
+        self.knowns = self.inputs
         experiment = self.description.defaultExperiment
         start, stop, step = (
             float(value) if (value := getattr(experiment, name, None)) else None
             for name in ("startTime", "stopTime", "stepSize")
         )
         self.start = start or 0.0
-        self.step = step or float((self.flags and self.flags.fixedInternalStepSize) or 0.01)
+        self.held = False
+        internal = getattr(self.description.coSimulation, "fixedInternalStepSize", None)
+        self.step = step or float(internal or 0.01)
         self.steps = STEPS
 
         if stop and stop > self.start:
             self.steps = max(4, min(STEPS, round((stop - self.start) / self.step)))
+
+    @property
+    def told(self) -> str:
+        """More about its steps."""
+        return ""
+
+    def new(self, name="it", starts=()) -> "Run":
+        """An instance that is ready to run."""
+        return Run(self, name, starts)
+
+    def columns(self) -> list[str]:
+        """Names of what a run tells, each as often as it has elements."""
+        return [v.name for v in self.outputs for _ in range(self.size(v))]
+
+    def structure(self) -> dict:
+        """Name of an unknown -> the variables that it depends on; None: on all."""
+        listed = [*self.description.outputs, *self.description.derivatives]
+        return {u.variable.name: u.dependencies for u in listed if u.variable}
 
     def claims(self, *names: str) -> bool:
         """Whether a flag, as either version calls it, is true; fmpy does not tell all."""
@@ -77,7 +110,10 @@ class Fmu:
         return np.maximum(start - span, low), np.minimum(start + span, high)
 
     def inputs_at(self, t: float) -> list[float]:
-        """All inputs at a time (s): smooth, each of its own."""
+        """All inputs at a time (s): smooth, each of its own, unless they are held."""
+        if self.held:
+            return [float(x) for v in self.inputs for x in self.start_of(v)]
+
         values = []
 
         for k, variable in enumerate(self.inputs):
@@ -95,12 +131,13 @@ class Fmu:
 class Run:
     """An instance. A call that fails raises Refused."""
 
+    kinds: dict[int, type] = {2: FMU2Slave, 3: FMU3Slave}
+
     def __init__(self, fmu: Fmu, name="it", starts=()):
         self.fmu = fmu
-        kind = FMU2Slave if fmu.version == 2 else FMU3Slave
         description = fmu.description
         try:
-            self.slave = kind(
+            self.slave = self.kinds[fmu.version](
                 guid=description.guid,
                 unzipDirectory=fmu.folder,
                 modelIdentifier=fmu.flags.modelIdentifier,
@@ -154,6 +191,10 @@ class Run:
     def _key(self, variable):
         more = (self.fmu.size(variable),) if self.fmu.version == 3 else ()
         return ([variable.valueReference], *more)
+
+    def put(self, variable, values):
+        """All values of what derivatives are by."""
+        self.set([variable], values)
 
     def outputs(self) -> list[float]:
         return self.get(self.fmu.outputs)

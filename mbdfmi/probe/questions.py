@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .answers import ABSENT, FAULT, GOOD, TOLD
-from .fmu import REAL, Fmu, Refused, Run
+from .fmu import REAL, Fmu, Refused, apart
 
 CONTINUE = "continue"
 """What another process is asked for: to go on from a serialised state."""
@@ -32,39 +32,35 @@ def same(rows, others) -> tuple[str, str]:
     return FAULT, f"differ by {apart(a, b):.1g}"
 
 
-def apart(a, b) -> float:
-    """The largest difference, of each column's largest value."""
-    a, b = np.array(a, float), np.array(b, float)
-    size = np.abs(a).max(axis=0) + 1e-12
-    return float(np.nanmax(np.abs(a - b) / size, initial=0.0))
-
-
 def runs(fmu: Fmu):
     """It runs, and says no NaN."""
-    rows = Run(fmu).drive()
-    wrong = [v.name for v, bad in zip(_elements(fmu), np.isnan(np.array(rows, float)).any(axis=0)) if bad]
-    return (FAULT, f"NaN: {', '.join(wrong)}") if wrong else (GOOD, f"{len(rows)} steps of {fmu.step:g} s")
+    rows = fmu.new().drive()
+    wrong = [name for name, bad in zip(fmu.columns(), np.isnan(np.array(rows, float)).any(axis=0)) if bad]
+    if wrong:
+        return FAULT, f"NaN: {', '.join(wrong)}"
+
+    return GOOD, f"{len(rows)} steps of {fmu.step:g} s{fmu.told}"
 
 
 def reruns(fmu: Fmu):
     """Another instance does the same, beside the first and after it was freed."""
-    first = Run(fmu, "first")
+    first = fmu.new("first")
     rows = first.drive()
 
     if not fmu.claims("canBeInstantiatedOnlyOncePerProcess"):
-        beside = Run(fmu, "beside")
+        beside = fmu.new("beside")
         answer = same(rows, beside.drive())
         if answer[0] == FAULT:
             return answer
         beside.free()
 
     first.free()
-    return same(rows, Run(fmu, "after").drive())
+    return same(rows, fmu.new("after").drive())
 
 
 def resets(fmu: Fmu):
     """After a reset it is as new."""
-    run = Run(fmu)
+    run = fmu.new()
     rows = run.drive()
     run.call("reset")
     run.begin()
@@ -76,7 +72,7 @@ def rolls_back(fmu: Fmu):
     if not fmu.claims("canGetAndSetFMUstate", "canGetAndSetFMUState"):
         return ABSENT, "not claimed"
 
-    run, half = Run(fmu), fmu.steps // 2
+    run, half = fmu.new(), fmu.steps // 2
     run.drive(0, half)
     state = run.save()
     rows = run.drive(half)
@@ -96,7 +92,7 @@ def travels(fmu: Fmu):
     if not fmu.claims("canSerializeFMUstate", "canSerializeFMUState"):
         return ABSENT, "not claimed"
 
-    run, half = Run(fmu), fmu.steps // 2
+    run, half = fmu.new(), fmu.steps // 2
     run.drive(0, half)
     data = run.serialise(run.save())
     rows = run.drive(half)
@@ -104,7 +100,7 @@ def travels(fmu: Fmu):
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "state"
         file.write_bytes(data)
-        command = [sys.executable, "-m", "mbdfmi.probe", fmu.folder, CONTINUE, str(file)]
+        command = [sys.executable, "-m", "mbdfmi.probe", fmu.folder, fmu.kind, CONTINUE, str(file)]
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=os.environ)
         result = file.with_suffix(".json")
 
@@ -121,13 +117,12 @@ def travels(fmu: Fmu):
     return verdict, f"{seen}; {len(data)} bytes"
 
 
-def go_on(folder, file: Path):
+def go_on(fmu: Fmu, file: Path):
     """In another process: from the state in a file on; outputs, or why not, go to a file beside it."""
-    fmu = Fmu(folder)
     told: list | str
 
     try:
-        run = Run(fmu)
+        run = fmu.new()
         run.restore(run.deserialise(file.read_bytes()))
         told = run.drive(fmu.steps // 2)
     except Refused as refused:
@@ -150,7 +145,7 @@ def counts_time(fmu: Fmu):
         (sums, [H] * fmu.steps),
         (products, list(np.diff(products))),
     ):
-        run, rows = Run(fmu, f"count{len(found)}"), []
+        run, rows = fmu.new(f"count{len(found)}"), []
         for k, (t, h) in enumerate(zip(points, lengths)):
             run.set(fmu.inputs, fmu.inputs_at(products[k]))
             run.step(t, float(h))
@@ -169,7 +164,7 @@ def takes_steps_of_any_size(fmu: Fmu):
     if not fmu.claims("canHandleVariableCommunicationStepSize"):
         return ABSENT, "not claimed"
 
-    whole, half = Run(fmu, "whole"), Run(fmu, "half")
+    whole, half = fmu.new("whole"), fmu.new("half")
     rows, finer = [], []
 
     for t in fmu.times():
@@ -191,7 +186,7 @@ def uses_input_derivatives(fmu: Fmu):
     low, high = fmu.reach(variable)
     slope = float((high - low)[0]) / (fmu.steps * fmu.step)
     start = float(fmu.start_of(variable)[0])
-    held, led, exact = (Run(fmu, name) for name in ("held", "led", "exact"))
+    held, led, exact = (fmu.new(name) for name in ("held", "led", "exact"))
     ends = []
 
     for t in fmu.times():
@@ -223,7 +218,7 @@ def gives_output_derivatives(fmu: Fmu):
     if not outputs:
         return ABSENT, "no outputs"
 
-    run, half, h = Run(fmu), fmu.steps // 2, fmu.step / 50
+    run, half, h = fmu.new(), fmu.steps // 2, fmu.step / 50
     run.drive(0, half)
     found = _output_derivatives(run, outputs)
     t, samples = fmu.times()[half], [run.get(outputs)]
@@ -257,34 +252,35 @@ def gives_directional_derivatives(fmu: Fmu):
     if not fmu.claims("providesDirectionalDerivative", "providesDirectionalDerivatives"):
         return ABSENT, "not claimed"
 
-    outputs = [v for v in fmu.outputs if v.type in REAL]
-    if not (fmu.inputs and outputs):
-        return ABSENT, "no inputs" if outputs else "no outputs"
+    if absent := _nothing_to_derive(fmu):
+        return absent
 
-    run = Run(fmu)
+    run = fmu.new()
     run.drive(0, fmu.steps // 2)
-    now = run.get(fmu.inputs)
-    keys, worst = [v.valueReference for v in outputs], 0.0
-    size = sum(map(fmu.size, outputs))
+    now = run.get(fmu.knowns)
+    keys, worst = [v.valueReference for v in fmu.unknowns], (0.0, "")
+    size = sum(map(fmu.size, fmu.unknowns))
     at = 0
 
-    for v in fmu.inputs[:MOST_PAIRS]:
+    for v in fmu.knowns[:MOST_PAIRS]:
         n = fmu.size(v)
         seed = [1.0] + [0.0] * (n - 1)
         more = {"nSensitivity": size} if fmu.version == 3 else {}
         told = np.array(run.call("getDirectionalDerivative", keys, [v.valueReference], seed, **more))
         d = 1e-3 * (abs(now[at]) or 1.0)
         sides = []
-        for sign in (1, -1):
-            run.set([v], [now[at] + sign * d, *now[at + 1 : at + n]])
-            sides.append(np.array(run.get(outputs)))
-        run.set([v], now[at : at + n])
-        shown = (sides[0] - sides[1]) / (2 * d)
+        for step in (d, -d, d / 2, -d / 2):
+            run.put(v, [now[at] + step, *now[at + 1 : at + n]])
+            sides.append(np.array(run.get(fmu.unknowns)))
+        run.put(v, now[at : at + n])
+        shown = (8 * (sides[2] - sides[3]) - (sides[0] - sides[1])) / (6 * d)
         noise = 1e-9 * np.abs(sides[0]).max() / d
-        worst = max(worst, float(np.abs(told - shown).max() / (np.abs(shown).max() + noise + 1e-12)))
+        off = float(np.abs(told - shown).max() / (np.abs(shown).max() + noise + 1e-12))
+        worst = max(worst, (off, f", by {v.name}"))
         at += n
 
-    return (GOOD if worst < 1e-4 else FAULT), f"off by {worst:.1g}"
+    off, where = worst
+    return (GOOD, f"off by {off:.1g}") if off < 1e-4 else (FAULT, f"off by {off:.1g}{where}")
 
 
 def gives_adjoint_derivatives(fmu: Fmu):
@@ -292,14 +288,16 @@ def gives_adjoint_derivatives(fmu: Fmu):
     if not fmu.claims("providesAdjointDerivatives"):
         return ABSENT, "not claimed"
 
-    outputs = [v for v in fmu.outputs if v.type in REAL]
-    if not (fmu.inputs and outputs and fmu.claims("providesDirectionalDerivatives")):
+    if not fmu.claims("providesDirectionalDerivatives"):
         return ABSENT, "nothing to compare"
 
-    run = Run(fmu)
+    if absent := _nothing_to_derive(fmu):
+        return absent
+
+    run = fmu.new()
     run.drive(0, fmu.steps // 2)
-    down, across = ([v.valueReference for v in variables] for variables in (outputs, fmu.inputs))
-    m, n = (sum(map(fmu.size, variables)) for variables in (outputs, fmu.inputs))
+    down, across = ([v.valueReference for v in variables] for variables in (fmu.unknowns, fmu.knowns))
+    m, n = (sum(map(fmu.size, variables)) for variables in (fmu.unknowns, fmu.knowns))
     weights, seed = np.cos(1.0 + np.arange(m)), np.sin(1.0 + np.arange(n))
     along = run.call("getDirectionalDerivative", down, across, list(seed), nSensitivity=m)
     back = run.call("getAdjointDerivative", down, across, list(weights), nSensitivity=n)
@@ -308,29 +306,39 @@ def gives_adjoint_derivatives(fmu: Fmu):
     return (GOOD if off < 1e-8 else FAULT), f"off by {off:.1g}"
 
 
+def _nothing_to_derive(fmu):
+    """An answer where there is nothing that derivatives are of, or by; else None."""
+    for found, what in ((fmu.unknowns, "outputs"), (fmu.knowns, "inputs")):
+        if not found:
+            return ABSENT, f"no {what}"
+
+    return None
+
+
 def tells_dependencies(fmu: Fmu):
-    """An input acts at once on no output but those that say so."""
-    if not fmu.inputs:
+    """What is known acts at once on no output but those that say so."""
+    if not fmu.knowns:
         return ABSENT, "no inputs"
 
-    run = Run(fmu)
+    run = fmu.new()
     run.drive(0, fmu.steps // 2)
-    structure = {u.variable.name: u.dependencies for u in fmu.description.outputs if u.variable}
+    structure = fmu.structure()
+    watched = list({v.name: v for v in (*fmu.outputs, *fmu.unknowns)}.values())
     undeclared, unseen, at = set(), 0, 0
-    now = run.get(fmu.inputs)
+    now = run.get(fmu.knowns)
 
-    for v in fmu.inputs[:MOST_PAIRS]:
+    for v in fmu.knowns[:MOST_PAIRS]:
         n = fmu.size(v)
-        before = [run.get([o]) for o in fmu.outputs]
+        before = [run.get([o]) for o in watched]
         low, high = fmu.reach(v)
-        run.set([v], [x + 0.37 * (b - a) for x, a, b in zip(now[at : at + n], low, high)])
-        after = [run.get([o]) for o in fmu.outputs]
-        run.set([v], now[at : at + n])
+        run.put(v, [x + 0.37 * (b - a) for x, a, b in zip(now[at : at + n], low, high)])
+        after = [run.get([o]) for o in watched]
+        run.put(v, now[at : at + n])
         at += n
-        for o, old, new in zip(fmu.outputs, before, after):
+        for o, old, new in zip(watched, before, after):
             known = structure.get(o.name)
             declared = known is None or any(d.name == v.name for d in known)
-            if old != new and not declared:
+            if old != new and not declared and o is not v:
                 undeclared.add(f"{o.name} by {v.name}")
             unseen += declared and old == new
 
@@ -356,7 +364,7 @@ def _refused(fmu, wrong):
     accepted = []
 
     for name, (off, H) in wrong.items():
-        run = Run(fmu, name)
+        run = fmu.new(name)
         run.drive(0, 3)
 
         try:
@@ -373,7 +381,7 @@ def refuses_unknown_references(fmu: Fmu):
     get = "getReal" if fmu.version == 2 else "getFloat64"
 
     try:
-        Run(fmu).call(get, [0xFFFFFFF0])
+        fmu.new().call(get, [0xFFFFFFF0])
     except Refused:
         return GOOD, "refused"
 
@@ -385,7 +393,7 @@ def keeps_start_values(fmu: Fmu):
     if not fmu.parameters:
         return ABSENT, "no parameters"
 
-    run, chosen = Run(fmu), fmu.parameters[:8]
+    run, chosen = fmu.new(), fmu.parameters[:8]
     wrong = [
         f"{v.name} starts otherwise"
         for v in fmu.parameters
@@ -394,7 +402,7 @@ def keeps_start_values(fmu: Fmu):
 
     # by little: any of them must still be good for a start
     values = [[x * 1.001 if x else 0.0 for x in fmu.start_of(v)] for v in chosen]
-    run = Run(fmu, "other", list(zip(chosen, values)))
+    run = fmu.new("other", list(zip(chosen, values)))
     wrong += [
         f"{v.name} was lost" for v, x in zip(chosen, values) if not np.allclose(run.get([v]), x, rtol=1e-12)
     ]
@@ -409,13 +417,13 @@ def is_honest_about_nan(fmu: Fmu):
         return ABSENT, "no inputs"
 
     for value in (math.nan, 1e300, -1e300):
-        run = Run(fmu, f"wild {value}")
+        run = fmu.new(f"wild {value}")
         run.drive(0, 3)
 
         try:
             run.set(fmu.inputs[:1], [value] * fmu.size(fmu.inputs[0]))
             run.step(fmu.times()[3], fmu.step)
-            bad = [v.name for v, x in zip(_elements(fmu), run.outputs()) if math.isnan(x)]
+            bad = [name for name, x in zip(fmu.columns(), run.outputs()) if math.isnan(x)]
         except Refused:
             continue
 
@@ -430,12 +438,12 @@ def runs_in_threads(fmu: Fmu):
     if fmu.claims("canBeInstantiatedOnlyOncePerProcess"):
         return ABSENT, "one instance a process"
 
-    rows = Run(fmu, "alone").drive()
+    rows = fmu.new("alone").drive()
     found: list = [None] * 4
 
     def work(k):
         try:
-            found[k] = Run(fmu, f"thread {k}").drive()
+            found[k] = fmu.new(f"thread {k}").drive()
         except Refused as refused:
             found[k] = str(refused)
 
@@ -452,11 +460,6 @@ def runs_in_threads(fmu: Fmu):
             return answer
 
     return GOOD, "equal to the bit"
-
-
-def _elements(fmu):
-    """The outputs, each as often as it has elements."""
-    return [v for v in fmu.outputs for _ in range(fmu.size(v))]
 
 
 QUESTIONS = {
