@@ -29,6 +29,10 @@ ROUNDING = 1e-16
 CLOSE = 1e-5
 FINISHING = 8
 
+# of these with one stiffness, and by how much they have to fall
+CHORDS = 3
+QUICKLY = 1e-2
+
 # squares of frequencies (1/s2) below that part of the largest are none, and below what differences tell: a
 # motion without stiffness
 NEUTRAL = 1e-9
@@ -324,14 +328,34 @@ class _Search:
             if size >= 0.5 * least or size <= ROUNDING:
                 break
 
-            least = size
-            manifold.put(manifold.V @ self.newton)
+            least = self._come_closer(size, neutral)
             manifold.look()
             self._see()
             neutral = np.abs(self.squares) <= tiny(self.squares)
             self.newton = self._newton(neutral)
 
         self.error = min(least, self._size(self.newton))
+
+    def _come_closer(self, size, neutral):
+        """Steps with the stiffness at hand, which so near is as good as one of each place, as long as they
+        fall quickly; the last one's size.
+        """
+        manifold = self.manifold
+        manifold.put(manifold.V @ self.newton)
+
+        for _ in range(CHORDS):
+            self._stay()
+            self.force = self.L.T @ manifold.accelerations()[manifold.speeds]
+            self.newton = self._newton(neutral)
+            next_size = self._size(self.newton)
+
+            if next_size <= ROUNDING or next_size > QUICKLY * size:
+                break
+
+            size = next_size
+            manifold.put(manifold.V @ self.newton)
+
+        return size
 
     def _stay(self):
         """The state that was put is the one looked at; coordinates stay what they are."""

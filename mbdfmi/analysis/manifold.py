@@ -180,12 +180,12 @@ class Manifold:
     # the state, moved
 
     def moved(self, change):
-        """x (n_x,) with positions moved by changes (n,) of the free coordinates."""
-        x = self.x.copy()
-        x[self.line_q] += change[self.line_k]
+        """x (..., n_x) with positions moved by changes (..., n) of the free coordinates."""
+        x = np.tile(self.x, (*change.shape[:-1], 1)) if change.ndim > 1 else self.x.copy()
+        x[..., self.line_q] += change[..., self.line_k]
 
         if len(self.turn_q):
-            x[self.turn_q] = _product(self.x[self.turn_q], _turn(change[self.turn_k]))
+            x[..., self.turn_q] = _product(self.x[self.turn_q], _turn(change[..., self.turn_k]))
 
         return x
 
@@ -202,14 +202,23 @@ class Manifold:
 
     def put(self, change=None, velocity=None, z=None):
         """The state moved, onto the constraints. Raises NoState where there is none."""
-        m, d = self.m, self.d
-        d.x[:] = self.x if change is None else self.moved(change)
+        x = self.x if change is None else self.moved(change)
+
+        if velocity is not None or z is not None:
+            x = x.copy()
 
         if velocity is not None:
-            d.x[m.n_q + self.free] += velocity
+            x[self.m.n_q + self.free] += velocity
 
         if z is not None:
-            d.x[self.z] += z
+            x[self.z] += z
+
+        self._put(x)
+
+    def _put(self, x):
+        """The state x, onto the constraints."""
+        m, d = self.m, self.d
+        d.x[:] = x
 
         if m.n_row:
             self._check(exchange.lead(m, d))
@@ -418,17 +427,15 @@ class Manifold:
         """(n_v, n_v): -derivatives of the independent accelerations by ways along the independent velocities,
         by differences of order 2: for Newton's method.
         """
-        unit = self.unit
-        found = np.empty((len(self.speeds), len(self.speeds)))
+        h = 1e-5 * self.unit[self.speeds]
+        found = np.empty((2, len(h), len(h)))
 
-        for k, at in enumerate(self.speeds):
-            h = 1e-5 * unit[at]
-            self.put(h * self.V[:, k])
-            ahead = self.accelerations()[self.speeds]
-            self.put(-h * self.V[:, k])
-            found[:, k] = (self.accelerations()[self.speeds] - ahead) / (2.0 * h)
+        for side, ways in enumerate((-h * self.V, h * self.V)):
+            for k, x in enumerate(self.moved(ways.T)):
+                self._put(x)
+                found[side, :, k] = self.accelerations()[self.speeds]
 
-        return found
+        return (found[0] - found[1]) / (2.0 * h)
 
 
 def _is_regular(mass):
@@ -495,27 +502,28 @@ def _by_own(motions, own, unit):
 
 
 def _product(E, F):
-    """Products of Euler parameters (n, 4), scalar last."""
+    """Products of Euler parameters (n, 4) and (..., n, 4), scalar last."""
     x, y, z, w = E.T
-    a, b, c, d = F.T
-    return np.array(
-        [
-            w * a + d * x + y * c - z * b,
-            w * b + d * y + z * a - x * c,
-            w * c + d * z + x * b - y * a,
-            w * d - x * a - y * b - z * c,
-        ]
-    ).T
+    a, b, c, d = np.moveaxis(F, -1, 0)
+    parts = [
+        w * a + d * x + y * c - z * b,
+        w * b + d * y + z * a - x * c,
+        w * c + d * z + x * b - y * a,
+        w * d - x * a - y * b - z * c,
+    ]
+    return np.stack(parts, axis=-1)
 
 
 def _turn(vectors):
-    """Euler parameters (n, 4) of rotation vectors (n, 3)."""
-    half = 0.5 * np.sqrt((vectors * vectors).sum(axis=1))
-    found = np.empty((len(vectors), 4))
+    """Euler parameters (..., 4) of rotation vectors (..., 3)."""
+    half = 0.5 * np.sqrt((vectors * vectors).sum(axis=-1))
+    found = np.empty((*vectors.shape[:-1], 4))
     # sin(a) / a, which is 1 to the last digit below
     small = half < 1e-8
-    found[:, :3] = np.where(small, 0.5, 0.5 * np.sin(half) / np.where(small, 1.0, half))[:, None] * vectors
-    found[:, 3] = np.cos(half)
+    found[..., :3] = (
+        np.where(small, 0.5, 0.5 * np.sin(half) / np.where(small, 1.0, half))[..., None] * vectors
+    )
+    found[..., 3] = np.cos(half)
     return found
 
 

@@ -451,8 +451,15 @@ class Builder:
         component = component if self.nodes[node].kind == "free" else 0
         return not int(given[first + min(component, 3)]) & weight
 
-    def list_variables(self, offset):
-        """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer."""
+    @property
+    def n_listed(self):
+        """Number of inputs, outputs and parameters."""
+        return len(self.inputs) + len(self.outputs) + len(self.parameters)
+
+    def list_variables(self, offset, led_by=None):
+        """Inputs, outputs, parameters with their dependencies; `offset`: array name -> its place in its buffer; led_by: of each
+        output, what states it may depend on.
+        """
         inputs = [Variable(*given.fields) for given in self.inputs]
         guess = ", a guess: joints in loops and couplings lead it elsewhere"
         parameters = [
@@ -468,7 +475,10 @@ class Builder:
             for parameter in self.parameters
         ]
         dependencies = Dependencies(self)
-        results = [Variable(*output.fields, depends=dependencies.of(output)) for output in self.outputs]
+        results = [
+            Variable(*output.fields, depends=dependencies.of(output), led_by=led)
+            for output, led in zip(self.outputs, led_by or [()] * len(self.outputs))
+        ]
         return [*inputs, *results, *parameters]
 
     def marker_node(self, k):

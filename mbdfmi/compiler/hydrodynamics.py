@@ -240,10 +240,10 @@ def _check_headings(path, known, wanted):
 
 def meet_waves(builder, model):
     """Moves the places where waves meet bodies and members to where these start once loops are closed, if that is known."""
-    m, d = model.views()
-
-    if not (builder.wave_places and m.n_constraint):
+    if not (builder.wave_places and model.n_constraint):
         return
+
+    m, d = model.views()
 
     if entry.prepare(m, d) != OK or entry.initialise(m, d, 0.0) != OK:
         return

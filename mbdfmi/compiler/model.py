@@ -264,9 +264,7 @@ def _assemble(builder, stepper, states=()):
     buffers["ints"][: len(header)] = header
 
     for row in layout.ARRAYS:
-        size = layout.array_length(row, counts)
-
-        if row.buffer in buffers and size:
+        if row.buffer in buffers and (size := layout.array_length(row, counts)):
             buffers[row.buffer][offset[row.name] : offset[row.name] + size] = np.ravel(values[row.name])
 
     return Model(
@@ -294,20 +292,17 @@ def _list_variables(builder, states, offset):
     Where inputs command motions without their accelerations, what is not told is found from one communication step to the next:
     there is no such step for a solver outside.
     """
-    variables = builder.list_variables(offset)
     told = builder.tables["n_command"].columns.get("command_u", [])
     led = led_by(builder, states) if all(u[2] >= 0 for u in told) else None
 
     if led is None or not states:
-        return {"variables": variables, "exchanged": []}
+        return {"variables": builder.list_variables(offset), "exchanged": []}
 
     listed = state_variables(states)
-    reference = {v.index: len(variables) + k for k, v in enumerate(listed)}
+    reference = {v.index: builder.n_listed + k for k, v in enumerate(listed)}
     of = {known: tuple(sorted(reference[k] for k in known)) for known in set(led)}
-    outputs = iter(led)
-    variables = [replace(v, led_by=of[next(outputs)]) if v.causality == "output" else v for v in variables]
     return {
-        "variables": variables,
+        "variables": builder.list_variables(offset, [of[known] for known in led]),
         "exchanged": [*listed, *rate_variables(listed), *indicator_variables(builder)],
     }
 

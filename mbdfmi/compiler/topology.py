@@ -277,7 +277,9 @@ def _weld(scene):
                 if other not in placed:
                     placed[other] = group[other] = pose
                     stack.append(other)
-                elif not all(np.allclose(p, s, atol=1e-9) for p, s in zip(pose, placed[other])):
+                elif not all(
+                    np.all(np.abs(p - s) <= 1e-9 + 1e-5 * np.abs(s)) for p, s in zip(pose, placed[other])
+                ):
                     text = "holds its two ends where other fixed joints do not; correct a marker or remove it"
                     raise SceneError([Problem(("joint", name), text)])
 
