@@ -267,7 +267,7 @@ class _Trial:
             if variable_name(name) in ("solver.tolerance", "solver.absolute_tolerance", "solver.step"):
                 raise ValueError(f"{name} is what is varied here; leave it out")
 
-        model = compile_scene(scene)
+        model = compile_scene(scene, for_fmu=False)
         self.title = model.title
         self.outputs = model.of_causality("output")
         self.shown = [k for k, v in enumerate(self.outputs) if not v.name.startswith(NO_MOTION)]
@@ -288,7 +288,9 @@ class _Trial:
         """(Run without its error, outputs (n, n_y) at the communication points, instance). Raises
         SimulationError.
         """
-        instance = Instance(compile_scene(self._solved(setting)), self.parameters, 0.0, self.inputs)
+        instance = Instance(
+            compile_scene(self._solved(setting), for_fmu=False), self.parameters, 0.0, self.inputs
+        )
         rows = np.empty((len(self.times), len(self.shown)))
         run = Run(setting, cpu=self._once(instance, rows))
         d = instance.d

@@ -161,7 +161,7 @@ class Mechanism:
             scene = scene.model_copy(update={"solver": solver})
 
         self.scene = scene
-        self.model = compile_scene(scene, first) if model is None else model
+        self.model = compile_scene(scene, first, for_fmu=False) if model is None else model
         self._ints = self.model.ints.copy()
         self.held = dict(inputs or {})
         self._before: dict[str, np.ndarray] = {}

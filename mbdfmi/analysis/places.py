@@ -23,7 +23,7 @@ def mechanism_of(scene, hold=None, parameters=None, time=0.0, like=None):
     at = {}
 
     if hold:
-        model = like.model if like else compile_scene(scene)
+        model = like.model if like else compile_scene(scene, for_fmu=False)
         by_name = {v.name: v for v in model.of_causality("input")}
 
         for name, value in hold.items():

@@ -243,16 +243,15 @@ def _told(scene, manifold, rest, weather) -> Equilibrium:
         if pair:
             reactions[name] = tuple(np.array([values[key] for key in keys]) for keys in pair)
 
-    positions = {}
+    poses = []
 
     for body in scene.body:
         node, (r, A) = model.tree.marker(mechanism.scene, body)
         turned = manifold.d.A.reshape(-1, 3, 3)[node]
-        positions[body] = (
-            manifold.d.r.reshape(-1, 3)[node] + turned @ r,
-            scipy.spatial.transform.Rotation.from_matrix(turned @ A).as_quat(),
-        )
+        poses.append((manifold.d.r.reshape(-1, 3)[node] + turned @ r, turned @ A))
 
+    quats = scipy.spatial.transform.Rotation.from_matrix([A for _, A in poses]).as_quat() if poses else []
+    positions = {body: (r, E) for body, (r, _), E in zip(scene.body, poses, quats)}
     motions = _motions(manifold, rest)
     notices = list(instance.notices)
 

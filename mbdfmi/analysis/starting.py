@@ -85,7 +85,7 @@ def resting(model: Model, given: Starting, asked: bool) -> tuple[Model, Model, l
     at rest where nothing else is said. Raises NoEquilibrium.
     """
     rest = equilibrium(given.scene, hold=given.hold, parameters=given.parameters)
-    there = compile_scene(rest.scene)
+    there = compile_scene(rest.scene, for_fmu=False)
 
     if not _are_alike(model, there):
         # bodies apart: which angles are states follows from what starts are given

@@ -156,16 +156,18 @@ class Model:
         return [v for v in self.listed if v.causality == causality]
 
 
-def compile_scene(scene: SceneData, first=()) -> Model:
-    """The model of a scene; `first`: joints that are in its tree before all others.
+def compile_scene(scene: SceneData, first=(), for_fmu=True) -> Model:
+    """The model of a scene; `first`: joints that are in its tree before all others; `for_fmu`: whether it has what an FMU alone
+    tells, states, their rates, indicators of events and locals.
 
     Raises SceneError where its parts do not form what the kernels can do.
     """
     formulation = scene.solver.formulation
 
     if formulation == "augmented":
-        relative = _compile(scene, spanning_tree(scene), "recursive")
-        model = _compile(scene, absolute_tree(relative.tree, scene), "recursive", *start_motion(relative))
+        relative = _compile(scene, spanning_tree(scene), "recursive", for_fmu=False)
+        motion, angles = start_motion(relative)
+        model = _compile(scene, absolute_tree(relative.tree, scene), "recursive", motion, angles, for_fmu)
         return replace(model, formulation=formulation)
 
     tree = spanning_tree(scene, first)
@@ -173,16 +175,16 @@ def compile_scene(scene: SceneData, first=()) -> Model:
     # but for loops in a row articulated bodies were the cheapest of the three at every size and shape measured
     # (`python -m benchmarks`)
     parted = parted_tree(scene, tree) if formulation == "auto" and not first else None
-    model = _compile_parted(scene, tree, parted) if parted else None
+    model = _compile_parted(scene, tree, parted, for_fmu) if parted else None
 
     if model:
         return replace(model, formulation="apart")
 
     formulation = "recursive" if formulation == "auto" else formulation
-    return replace(_compile(scene, tree, formulation), formulation=formulation)
+    return replace(_compile(scene, tree, formulation, for_fmu=for_fmu), formulation=formulation)
 
 
-def _compile_parted(scene, tree, parted):
+def _compile_parted(scene, tree, parted, for_fmu):
     """The model with bodies apart, which starts as that on the whole tree would; None where it cannot hold that start.
 
     Where the given start closes the loops, that needs no loop of the whole tree; very many loops are closed apart.
@@ -191,12 +193,13 @@ def _compile_parted(scene, tree, parted):
     def compiled(by_joints):
         """The model that starts as one by joint coordinates."""
         motion, angles = start_motion(by_joints)
-        return _compile(scene, parted, "recursive", planar_starts(parted, tree, motion), angles)
+        start = planar_starts(parted, tree, motion)
+        return _compile(scene, parted, "recursive", start, angles, for_fmu=for_fmu)
 
     model = compiled(_open_model(scene, tree))
 
     if predicted_cost(scene, tree) < MOST_AT_START and not keeps_start(model):
-        model = compiled(_compile(scene, tree, "recursive"))
+        model = compiled(_compile(scene, tree, "recursive", for_fmu=False))
         return model if keeps_start(model) else None
 
     return model
@@ -213,8 +216,8 @@ def _open_model(scene, tree):
     return _assemble(builder, NO_STEPS)
 
 
-def _compile(scene, tree, formulation, motion=None, angles=None):
-    """The model on a tree; `motion`: start values of absolute coordinates; `angles`: of joints at the start."""
+def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True):
+    """The model on a tree; `motion`: start values of absolute coordinates; `angles`: of joints at the start; `for_fmu`: as above."""
     builder = Builder(scene, tree, formulation == "embedding", angles)
     add_settings(builder)
     add_drives(builder)
@@ -236,9 +239,14 @@ def _compile(scene, tree, formulation, motion=None, angles=None):
     add_measures(builder)
     add_ground_outputs(builder)
     add_scene_outputs(builder)
-    model = _assemble(builder, STEPPERS[scene.solver.integrator], list_states(builder, _scene_length(scene)))
+    states = list_states(builder, _scene_length(scene)) if for_fmu else ()
+    model = _assemble(builder, STEPPERS[scene.solver.integrator], states)
     meet_waves(builder, model)
     notices = scene.notices + [str(notice) for notice in builder.notices]
+
+    if not for_fmu:
+        return replace(model, notices=notices)
+
     surveys, told, indicators = survey(builder, model)
     return replace(
         model, notices=notices, surveys=surveys, told_aside=told, exchanged=model.exchanged + indicators

@@ -106,7 +106,7 @@ class _Probe:
         tree = own.tree
         joints = {node.joint for node in tree.nodes if node.joint}
         self.states = states
-        self.model = compile_scene(scene, tuple(joints))
+        self.model = compile_scene(scene, tuple(joints), for_fmu=False)
         self.fits = [node.name for node in self.model.tree.nodes] == [node.name for node in tree.nodes]
         self.fits = self.fits and (self.model.n_q, self.model.n_v, self.model.n_x) == (
             own.n_q,
