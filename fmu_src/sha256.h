@@ -5,6 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "layout.h" /* names of a source FMU are its own */
+
 #define SHA256_SIZE 32
 
 typedef struct {

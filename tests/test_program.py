@@ -25,7 +25,7 @@ compiled_kernels = pytest.mark.skipif(
 
 def library_of(model, folder):
     """The entries of a model as the translated kernels, none of them traced, compiled without optimising."""
-    (folder / "scene.c").write_text(core(model, None))
+    (folder / "scene.c").write_text(core(model))
     (folder / "table.c").write_text(table_of_kernels(ENTRIES, model.guid))
     command = [
         sys.executable,

@@ -156,7 +156,7 @@ def test_a_large_scene_keeps_its_loops():
         },
     }
     found = specialise.own(mbdfmi.Scene(**chain).compile())
-    assert found.traced is None and "loops are faster" in found.told
+    assert not found.traced and "loops are faster" in found.told
 
 
 def test_commands_make_and_use_it(tmp_path, capsys):
@@ -185,8 +185,8 @@ def bound_library(names):
 def test_bound_parameters_are_folded_and_give_the_same_bits():
     free = scene("double_pendulum", "rk4").compile()
     model, found, library = bound_library(("all",))
-    before = specialise.own(free).traced.operations
-    assert found.traced.operations < 0.8 * before
+    before = specialise.own(free).traced[0].operations
+    assert found.traced[0].operations < 0.8 * before
     runs = [Instance(free), Instance(model, kernels=Entries.of(library))]
 
     for _ in range(50):

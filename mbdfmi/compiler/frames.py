@@ -8,15 +8,30 @@ from ..vectors import cross, dot, norm
 
 IDENTITY = (np.zeros(3), np.eye(3))
 
+ROUNDING = 4 * np.finfo(float).eps
+"""Of what products of rotations, and sums of positions, may be off by rounding."""
+
 
 def compose(outer, inner):
-    """Pose of a frame given in a frame that is itself at `outer`."""
-    return outer[0] + dot(outer[1], inner[0]), dot(outer[1], inner[1])
+    """Pose of a frame given in a frame that is itself at `outer`; what rounding leaves of nothing is nothing."""
+    r, turned = outer[0], dot(outer[1], inner[0])
+    found = r + turned
+    size = np.abs(r).max() + np.abs(turned).max()
+    return np.where(np.abs(found) <= ROUNDING * size, 0.0, found), exact(dot(outer[1], inner[1]))
 
 
 def inverse(pose):
     """The pose the other way round."""
     return -dot(pose[1].T, pose[0]), pose[1].T
+
+
+def exact(A):
+    """A rotation matrix whose elements are -1, 0, 1 where they are that but for rounding.
+
+    Most joints of a scene turn about axes of its frames: code of its own is without them then (docs/specialise.md).
+    """
+    nearest = np.rint(A)
+    return np.where(np.abs(A - nearest) <= ROUNDING, nearest, A) + 0.0
 
 
 def axes_with_z(axis):

@@ -5,8 +5,8 @@ bounded number of operations, but for Newton's method where loops are closed (at
 """
 
 import inspect
+from collections.abc import Sequence
 
-from ..kernels.dynamics import rates
 from ..kernels.entry import ENTRIES
 from ..kernels.signatures import DATA, MODEL, REALS, float64, int64
 from ..trace import searches
@@ -14,7 +14,8 @@ from ..trace.graph import REAL
 from ..trace.plain import plain_function
 from ..trace.program import shapes
 from ..trace.program.functions import Program
-from ..trace.specialise import HEAD, NAME, Traced
+from ..trace.program.layout_c import words
+from ..trace.specialise import Traced
 from . import header
 
 _SHAPES = {MODEL: shapes.View(), DATA: shapes.View(), float64: shapes.ANY_REAL, int64: shapes.ANY_INT}
@@ -36,27 +37,66 @@ typedef struct {
 } Run;"""
 
 
-def core(model, traced: Traced | None) -> str:
+def core(model, traced: Sequence[Traced] = ()) -> str:
     """The text of the file: the entries that the wrapper calls. Raises Untraceable for what has no translation.
 
-    traced : x' = f, or None for the kernel as it is written.
+    traced : kernels that their traces stand for; those that the scene calls are written.
     """
-    evaluate = plain_function(rates.evaluate_now)
-    program = Program(model.ints, {evaluate: NAME} if traced else {})
-    wanted = searches.called(program, traced.calls) if traced else []
+    program = Program(model.ints, {each.kernel: each.name for each in traced})
     entries = [program.add(plain_function(kernel), _arguments(kernel)) for kernel in ENTRIES.values()]
-    behind = []
-
-    if traced:
-        kernel = program.add(evaluate, [shapes.View(), shapes.View()])
-        behind.append(traced.text(kernel.name))
-        wanted += [kernel] if traced.guards else []
-
-    behind += [_entry(name, function.name) for name, function in zip(ENTRIES, entries)]
-    declared, functions = program.text([*wanted, *entries], "\n".join(behind))
+    names = {kernel: program.replaced.get(plain_function(kernel)) for kernel in ENTRIES.values()}
+    called = [names[kernel] or function.name for kernel, function in zip(ENTRIES.values(), entries)]
+    ends = [_entry(symbol, name) for symbol, name in zip(ENTRIES, called)]
+    found = _used(program, traced, entries, "\n".join(ends))
+    texts = [_written(program, each) for each in found]
+    others = searches.called(program, set().union(*(each.calls for each in found)))
+    behind = [*texts, *ends]
+    wanted = [*others, *(one for each in found for one in _needed(program, each)), *_not_replaced(program, entries)]
+    declared, functions = program.text(wanted, "\n".join(behind))
     parts = [f"/* {model.name}: written by mbdfmi from the kernels that simulate it. */", PREAMBLE]
-    parts += [declared, *([f"{HEAD};"] if traced else []), functions, *behind]
-    return "\n\n".join(parts) + "\n"
+    parts += [declared, *(f"{each.head};" for each in found), functions, *behind]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _not_replaced(program, functions):
+    return [function for function in functions if function.python not in program.replaced]
+
+
+def _used(program, traced, entries, ends):
+    """Of what is traced what the scene calls, also what stands for what is left to a kernel."""
+    wanted = _not_replaced(program, entries)
+    found: list[Traced] = []
+
+    while True:
+        told = words("\n".join([*program.text(wanted), ends]))
+        more = [each for each in traced if each.name in told and each not in found]
+
+        if not more:
+            return found
+
+        found += more
+        wanted += [one for each in more for one in _needed(program, each)]
+
+
+def _needed(program, traced):
+    """Kernels that a traced one calls: what it leaves to them, and what comes first."""
+    return [program.add(kernel, _shapes_of(traced, kernel)) for kernel in _calls_of(traced)]
+
+
+def _calls_of(traced):
+    return ([traced.kernel] if traced.guards else []) + ([traced.before] if traced.before else [])
+
+
+def _shapes_of(traced, kernel):
+    views = [shapes.View(), shapes.View()]
+    others = [shapes.Array(REAL) if kind.endswith("*") else shapes.ANY_INT for kind, _ in traced.more]
+    return views + (others if kernel is traced.kernel else [])
+
+
+def _written(program, traced):
+    """A traced function in C."""
+    names = {kernel: program.add(kernel, _shapes_of(traced, kernel)).name for kernel in _calls_of(traced)}
+    return traced.text(names.get(traced.kernel, ""), f"{names[traced.before]}(run)" if traced.before else "")
 
 
 def _arguments(kernel):

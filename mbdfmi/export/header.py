@@ -25,13 +25,14 @@ _TYPES = {signatures.int64: "int64_t ", signatures.float64: "double ", signature
 _VIEWS = {signatures.MODEL: ("m", views.ModelView), signatures.DATA: ("d", views.DataView)}
 
 
-def layout_header() -> str:
-    """The text of layout.h."""
+def layout_header(names: str = "") -> str:
+    """The text of layout.h. names : definitions of what names of the wrapper stand for."""
     parts = [_arrays(), _statuses(), _entries(), _resource(), _tape(), _log()]
     return "\n\n".join(
         [
             f"/* Written by {__name__} when a library is linked: what C knows of the package. */",
             "#ifndef MBDFMI_LAYOUT_H\n#define MBDFMI_LAYOUT_H\n\n#include <stdint.h>",
+            *([names] if names else []),
             *parts,
             "#endif\n",
         ]

@@ -93,6 +93,16 @@ def wrapper_folder() -> Path:
     return installed if installed.is_dir() else package.parent / "fmu_src"
 
 
+OTHERS = {2: ("fmi3",), 3: ("fmi2",)}
+"""Beginnings of names of wrapper files that another version of FMI has."""
+
+
+def wrapper_sources(fmi: int | None = None) -> list[Path]:
+    """The C files of the wrapper, of one version of FMI or of all."""
+    files = sorted(wrapper_folder().glob("*.c"))
+    return [path for path in files if fmi is None or not path.name.startswith(OTHERS[fmi])]
+
+
 def _headers() -> Path:
     """The folder of the FMI headers, which fmpy carries."""
     return standard.folder() / "c-code"
@@ -123,12 +133,13 @@ def link(
     table_text: str | None = None,
     flags: tuple = (),
     wrapper_flags: tuple = (),
+    fmi: int | None = None,
 ) -> None:
     """Links a platform's library from the wrapper and the kernels (`compiled`: LLVM IR, or C), which are
     made side by side.
 
     table_text : of the table of kernels, by default of all that stand apart. flags, wrapper_flags : more of
-    the compiler's, for what is compiled, and for the wrapper.
+    the compiler's, for what is compiled, and for the wrapper. fmi : the version that it knows, by default all.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -141,7 +152,7 @@ def link(
         )
 
         output = folder / f"fmu{platform.suffix}"
-        sources = [*sorted(wrapper_folder().glob("*.c")), table, *objects]
+        sources = [*wrapper_sources(fmi), table, *objects]
         includes = [f"-I{folder}", f"-I{_headers()}"]
         _zig(
             platform,

@@ -100,7 +100,7 @@ def export_fmu(
 
     made = {
         name: (
-            scene_library(model, name, progress, found) if specialise else library(name, progress)
+            scene_library(model, name, progress, found, fmi) if specialise else library(name, progress)
         ).read_bytes()
         for name in chosen
     }

@@ -9,18 +9,18 @@
 The headers of FMI are not among them: whoever builds an FMU has them (FMI 2.0.4, 2.3; FMI 3.0.2, 2.5.1).
 """
 
+import re
+
 from lxml import etree
 
+from ..native.library import TABLE
 from ..trace.forms import identifiers
 from ..trace.program.types import constant
 from . import header, standard
 from .core import core
-from .link import wrapper_folder
+from .link import OTHERS, wrapper_folder, wrapper_sources
 
 FOLDER = "sources"
-
-_OTHERS = {2: ("fmi3",), 3: ("fmi2",)}
-"""Beginnings of names of wrapper files that another version of FMI has."""
 
 _CMAKE = """# Written by mbdfmi: a shared library of the sources of this FMU.
 #
@@ -52,14 +52,15 @@ endif()
 
 
 def sources(model, fmi: int, traced) -> dict[str, bytes]:
-    """Path in the FMU -> its bytes. traced : x' = f, or None. Raises Untraceable."""
-    others = _OTHERS[fmi]
-    wrapper = [path for path in sorted(wrapper_folder().glob("*.[ch]")) if not path.name.startswith(others)]
+    """Path in the FMU -> its bytes. traced : kernels that are. Raises Untraceable."""
+    headers = (path for path in sorted(wrapper_folder().glob("*.h")) if not path.name.startswith(OTHERS[fmi]))
+    wrapper = [*wrapper_sources(fmi), *headers]
     texts = {path.name: path.read_text(encoding="utf-8") for path in wrapper}
+    own = names(model, *(text for name, text in texts.items() if name.endswith(".h")))
     texts |= {
-        header.NAME: header.layout_header(),
-        "table.c": header.table_of_kernels(header.entry.ENTRIES, model.guid),
-        "scene.c": core(model, traced),
+        header.NAME: header.layout_header(own),
+        "table.c": f"{own}\n{header.table_of_kernels(header.entry.ENTRIES, model.guid)}",
+        "scene.c": f"{own}\n{core(model, traced)}",
         "scene.h": scene_header(model),
     }
     files = compiled(fmi)
@@ -75,10 +76,18 @@ def sources(model, fmi: int, traced) -> dict[str, bytes]:
     return found
 
 
+def names(model, *texts: str) -> str:
+    """Names of what these texts of headers share among files as the model's own: several FMUs go into one program."""
+    stems = "|".join(sorted({path.stem for path in wrapper_folder().glob("*.h")}))
+    shared = set(re.findall(rf"\b(?:{stems})_\w+(?=\()", "\n".join(texts)))
+    shared |= {*header.entry.ENTRIES, TABLE, "mbdfmi_only_guid"}
+    lines = [f"#define {name} {model.identifier}_{name}" for name in sorted(shared)]
+    return "\n".join(["/* several FMUs go into one program */", *lines, ""])
+
+
 def compiled(fmi: int) -> list[str]:
     """Names of the files that are compiled, which the model description of FMI 2 lists."""
-    wrapper = [path.name for path in wrapper_folder().glob("*.c") if not path.name.startswith(_OTHERS[fmi])]
-    return sorted(["scene.c", "table.c", *wrapper])
+    return sorted(["scene.c", "table.c", *(path.name for path in wrapper_sources(fmi))])
 
 
 def _build_description(model, files):
@@ -127,6 +136,7 @@ def scene_header(model) -> str:
     calls = "\n\n".join(_CALL.format(**call) for call in _CALLS)
     return _HEADER.format(
         name=model.name,
+        own=names(model),
         sizes="\n".join(lines),
         enums="\n\n".join(enums),
         prototypes=prototypes,
@@ -181,6 +191,7 @@ _HEADER = """/* {name} without FMI: for processors without files. Written by mbd
 #include <stdint.h>
 #include <string.h>
 
+{own}
 {sizes}
 
 {enums}

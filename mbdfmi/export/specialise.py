@@ -9,25 +9,38 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ..files import replacing
-from ..kernels.dynamics import rates
+from ..kernels.dynamics import projection, rates
 from ..kernels.entry import ENTRIES
+from ..kernels.steppers import jacobian
 from ..native.platforms import PLATFORMS, host_platform
 from ..native.sources import cache_directory
 from ..run.instance import Instance, SimulationError
 from ..trace.graph import Untraceable
-from ..trace.specialise import Traced, trace_rates
+from ..trace.plain import plain_function
+from ..trace.projecting import trace_projection
+from ..trace.specialise import Traced, trace_jacobian, trace_rates
 from . import header, link
 from .core import core
 
 MOST_OPERATIONS = 3000
 """Operations of a trace at most: about 32 kB of code, the instruction cache. Beyond it loops are faster."""
 
+MOST_OF_JACOBIAN = 10_000
+"""Likewise of the Jacobian, which is found once in many evaluations: what grows is the library."""
+
 STATES = 16
 """States of a run at the start of the scene in which the guards of its trace are looked at."""
 
 SPAN = 1.0
 """s, of that run, at most."""
+
+BESIDE = 1e-8
+"""Of the states' sizes, how far beside the constraints a step may lead."""
+
+PROJECTION, JACOBIAN = plain_function(projection.project), plain_function(jacobian.find_jacobian)
 
 MOST_FAILING = 0.25
 """Part of these states in which a guard may fail."""
@@ -50,32 +63,74 @@ class Own:
 
 
 def own(model) -> Own:
-    """x' = f of a model traced where that pays, and what is to be said of it."""
+    """The kernels of a model traced where that pays, and what is to be said of them."""
+    chosen, told = [], []
+
     try:
-        instance = Instance(model)
-        run = _run(model, instance)
-        next(run)
-        traced = trace_rates(instance)
-        failing = [places for places in (traced.failing(one.m, one.d) for one in run) if places]
-    except (Untraceable, SimulationError) as error:
-        return Own(None, f"x' = f is not traced: {error}")
+        run = _run(model)
+        instance = next(run)
+        found = {what: _traced(trace, instance) for what, trace in _worth(instance).items()}
+        failing: dict[str, list] = {what: [] for what in found}
 
+        for _ in run:
+            for what, each in found.items():
+                failing[what] += [_failing(instance, each)] if isinstance(each, Traced) else []
+    except SimulationError as error:
+        return Own((), f"nothing is traced: {error}")
+
+    for what, each in found.items():
+        why_not = each if isinstance(each, str) else _why_not(each, chosen, failing[what])
+        told.append(f"not {what}: {why_not}" if why_not else f"{what} ({each.operations} operations)")
+
+        if not why_not:
+            chosen.append(each)
+
+        # without x' = f the rest would not tell
+        if why_not and not chosen:
+            return Own((), f"{what} is not traced: {why_not}")
+
+    return Own(tuple(chosen), f"traced are {', '.join(told)}")
+
+
+def _worth(instance):
+    """What is traced for a scene, in words, and by what."""
+    found = {"x' = f": trace_rates}
+    found |= {"the projection": trace_projection} if instance.m.n_row else {}
+    return found | ({"the Jacobian": trace_jacobian} if instance.m.n_jacobian else {})
+
+
+def _traced(trace, instance):
+    """A kernel traced, or why it is not."""
+    try:
+        return trace(instance)
+    except Untraceable as error:
+        return str(error)
+
+
+def _why_not(traced, chosen, failing):
+    """Why a trace does not pay, if so."""
     size = f"{traced.operations} operations"
+    most = MOST_OPERATIONS
 
-    if traced.operations > MOST_OPERATIONS:
-        return Own(
-            None, f"x' = f is not traced: {size} would outgrow the instruction cache, loops are faster"
-        )
+    if traced.kernel is JACOBIAN:
+        by_differences = traced.spent * chosen[0].operations
+        most = min(MOST_OF_JACOBIAN, by_differences)
 
-    if len(failing) > MOST_FAILING * STATES:
-        places = ", ".join(sorted(set().union(*failing)))
-        return Own(None, f"x' = f is not traced: branches change as the scene moves, in {places}")
+        if traced.operations > by_differences:
+            return f"{size} are more than differences take"
 
-    return Own(traced, f"x' = f is traced, {size}")
+    if traced.operations > most:
+        return f"{size} would outgrow the instruction cache, loops are faster"
+
+    if sum(map(bool, failing)) > MOST_FAILING * STATES:
+        return f"branches change as the scene moves, in {', '.join(sorted(set().union(*failing)))}"
+
+    return ""
 
 
-def _run(model, instance):
-    """The instance at some states of a run that begins at its start."""
+def _run(model):
+    """An instance at some states of a run that begins at its start."""
+    instance = Instance(model)
     span = min(SPAN, model.scene.experiment.stop or SPAN) if model.scene.experiment else SPAN
 
     for _ in range(STATES):
@@ -84,21 +139,37 @@ def _run(model, instance):
         yield instance
 
 
+def _failing(instance, traced):
+    """Where guards fail at the state of a run; of the projection beside it, where a step would lead."""
+    m, d = instance.m, instance.d
+
+    if traced.kernel is not PROJECTION:
+        return traced.failing(m, d)
+
+    x = d.x.copy()
+    d.x[:] += BESIDE * m.x_nominal * np.random.default_rng(1).standard_normal(len(x))
+    found = traced.failing(m, d)
+    d.x[:] = x
+    return found
+
+
 def scene_library(
     model,
     platform: str | None = None,
     progress: Callable[[str], None] = lambda text: None,
     found: Own | None = None,
+    fmi: int = 2,
 ) -> Path:
     """The library of a model for a platform (by default this machine's), made and kept.
 
-    found : what `own` has found, if that is known already. Raises link.LinkError.
+    found : what `own` has found, if that is known already. fmi : the version of FMI that it knows. Raises
+    link.LinkError.
     """
     platform = platform or host_platform()
     found = found or own(model)
     text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
-    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, *FLAGS]).encode()).hexdigest()[
+    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS]).encode()).hexdigest()[
         :20
     ]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
@@ -109,6 +180,6 @@ def scene_library(
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             source = Path(name) / "scene.c"
             source.write_text(text, encoding="utf-8")
-            link.link(PLATFORMS[platform], [source], file, table, FLAGS, WRAPPER_FLAGS)
+            link.link(PLATFORMS[platform], [source], file, table, FLAGS, WRAPPER_FLAGS, fmi)
 
     return path

@@ -375,6 +375,7 @@ ARRAYS = (
     Array("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),
     # work: time, inputs and rates
     Array("generic_evaluations", "work", 1, 1, "evaluations that a kernel traced for the scene has left to the generic one"),
+    Array("generic_calls", "work", 3, 1, "likewise projections, Jacobians, sets of outputs"),
     Array("lu_known", "work", 1, 1, "1: jacobian is that of jacobian_x, 2: lu_real and lu_complex are of it and lu_step; to be cleared when the state is not that of the last call"),
     Array("stages_here", "work", 1, 1, "1: stage holds early_stages; to be cleared likewise"),
     Array("now", "work", 1, 1, "s, time of the evaluation"),
@@ -443,7 +444,7 @@ ARRAYS = (
     Array("D_M", "work", 6, "n_body", "factor of M_a (free joints)"),
     Array("N", "work", 9, "n_body", "H_a M_a^-1 (free joints)"),
     Array("effort", "work", 3, "n_body", "S-projected effort left for acceleration"),
-    Array("mass_matrix", "work", 1, "n_mass", "joint-space mass matrix by rows, then its Cholesky factor"),
+    Array("mass_matrix", "work", 1, "n_mass", "joint-space mass matrix by rows, then its Cholesky factor with the inverses of its diagonal"),
     # work: constraint rows, as wrenches about the origins of their two bodies, inertial axes
     Array("row_moment_from", "work", 3, "n_row", "on the first marker's body"),
     Array("row_force_from", "work", 3, "n_row", ""),

@@ -335,7 +335,16 @@ class Graph:
         if a == b:
             return a
 
-        return self.node("select", (condition, a, b), None, self._kind_of(a, b))
+        truths = self.nodes[a].kind == self.nodes[b].kind == BOOL
+        return self.node("select", (condition, a, b), None, BOOL if truths else self._kind_of(a, b))
+
+    def both(self, a, b):
+        """Whether two conditions hold."""
+        return self.select(a, b, self.constant(False))
+
+    def either(self, a, b):
+        """Whether one of two conditions holds."""
+        return self.select(a, self.constant(True), b)
 
     def _as(self, a, kind):
         """A node as a number of that kind."""

@@ -5,7 +5,10 @@ from ..kernels.layout import ARRAY, SLOT, array_length
 COMMANDED = ("command_course", "command_settling", "attitude_base")
 """Work arrays that say how commanded motions go on over a communication step."""
 
-GIVEN_WORK = ("now", "input", *COMMANDED)
+TIME_WORK = ("now", "input")
+"""Work arrays of the time, and the inputs at it."""
+
+GIVEN_WORK = (*TIME_WORK, *COMMANDED)
 """Work arrays that a run leaves for `rates.evaluate_now` to read: time, inputs and commands."""
 
 KEPT_WORK = ("x_rate", "held", "least_share")
@@ -13,10 +16,13 @@ KEPT_WORK = ("x_rate", "held", "least_share")
 by no one.
 """
 
+STILL_WORK = ("held", "weight", "weighs", "aim", "damping", "assembling", "row_settles")
+"""Work arrays that the start leaves as they are in all of a run."""
+
 LOOKED_UP = ("knot_x", "knot_c", "knot_area", "patch_c", "cell_c")
 """Arrays of tables, in which numbers are looked up."""
 
-PREPARED = ("body_m", "body_h", "body_I", "added_I", "added_H", "added_M")
+PREPARED = ("body_m", "body_h", "body_I", "added_I", "added_H", "added_M", "lightness")
 """What stands in the state but follows from parameters (`prepare`)."""
 
 

@@ -1,5 +1,6 @@
 """A run of a kernel on symbols: what it reads and writes, and on what the branches that it took depend."""
 
+import math
 import sys
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from ..kernels.layout import ARRAY, COUNTS, SLOT, array_length
 from . import searches
 from .graph import REAL, Graph, Untraceable
 from .plain import ROOM, Kernels
-from .symbols import Symbol, maximum, node_of, symbol_of
+from .symbols import MATH, Symbol, maximum, minimum, node_of, symbol_of
 
 MOST_PATHS = 64
 """Ways through one kernel that are followed side by side at most."""
@@ -159,7 +160,8 @@ class Tracer:
 
     given : buffer ("reals", "state", "work", "u") -> places that are symbols; all others are numbers.
     zeros : likewise those that are taken for zero where they are, under a guard. exact : whether the graph
-    keeps bits.
+    keeps bits. told : of a node that a branch asks for, and where that is, which way it goes without a
+    guard, or None.
     """
 
     def __init__(
@@ -172,6 +174,7 @@ class Tracer:
     ):
         self.graph = Graph(exact)
         self.guards: dict[int, Guard] = {}
+        self.told: Callable[[int, str], bool | None] | None = None
         self._paths: list[_Path] = []
         ints = m.ints_buffer.tolist()
         counts = dict(zip(COUNTS, ints))
@@ -225,10 +228,20 @@ class Tracer:
         """Whether one of several ways through a kernel is being followed."""
         return bool(self._paths)
 
+    def begin_anew(self):
+        """What was written, and what it rested on, is forgotten; the graph stays."""
+        self.guards = {}
+
+        for buffer in self.buffers.values():
+            buffer.now = {}
+
     # branches
 
     def decide(self, k):
         """Which way a branch on a node goes."""
+        if self.told and (outcome := self.told(k, _place())) is not None:
+            return outcome
+
         if k in self.guards:
             return self.guards[k].holds
 
@@ -322,6 +335,42 @@ def _both_sides(function):
     return call
 
 
+def _is_finite(function):
+    """`rates.is_finite`, which sums zeros times numbers: a graph has no such."""
+    return lambda d, n: MATH.isfinite(sum((d.x[k] for k in range(n)), 0.0))
+
+
+def _gap_left(function):
+    """`projection.gap_left`: of many numbers, whichever it is."""
+
+    def gap_left(m, d, starting, first):
+        if d.loose[0] > 0.0:
+            raise Untraceable("loops repeat themselves not quite exactly")
+
+        return _largest(None)(d.row_gap, m.n_row)
+
+    return gap_left
+
+
+def _weakest_row(function):
+    """`multipliers.weakest_row`: how little it adds, whichever it is."""
+
+    def weakest_row(m, d):
+        least = math.inf
+        redundant = function.__globals__["REDUNDANT"]
+        reference = function.__globals__["row_reference"]
+
+        for row in range(m.n_row):
+            if d.row_redundant[row] != redundant:
+                pivot = d.pivot[row]
+                share = 0.0 if pivot == 0.0 else 1.0 / (pivot * reference(m, d, row))
+                least = minimum(least, share)
+
+        return None, least
+
+    return weakest_row
+
+
 def _largest(function):
     """`algebra.largest`: of many numbers, whichever it is."""
 
@@ -339,4 +388,10 @@ def _largest(function):
 @cache
 def _kernels():
     replaced: dict[str, Callable] = dict.fromkeys(BOTH_SIDES, _both_sides)
-    return Kernels(replaced | {"math.algebra.largest": _largest} | searches.REPLACED)
+    replaced |= {
+        "math.algebra.largest": _largest,
+        "dynamics.rates.is_finite": _is_finite,
+        "dynamics.projection.gap_left": _gap_left,
+        "dynamics.multipliers.weakest_row": _weakest_row,
+    }
+    return Kernels(replaced | searches.REPLACED)

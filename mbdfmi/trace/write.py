@@ -1,7 +1,7 @@
 """A graph written out in a language: statements for what is used more than once, the rest within them."""
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple
 
 from .graph import Graph, Untraceable
@@ -43,10 +43,18 @@ class Places(NamedTuple):
     named: bool
 
 
+class Branch(NamedTuple):
+    """Statements of a block, and the texts of what is wanted of it, by node."""
+
+    lines: list[str]
+    text: dict[int, str]
+
+
 class Body:
     """What some nodes need, as statements, in order.
 
-    first : nodes that are read before all else is done, being written over then. calls : what is called.
+    first : nodes that are read before all else is done, being written over then. branches : what each of the
+    branches wants that are written behind; what all need is done before them. calls : what is called.
     """
 
     def __init__(
@@ -56,24 +64,41 @@ class Body:
         language: Language,
         places: Places,
         first: Collection[int] = (),
+        branches: Sequence[Iterable[int]] = (),
     ):
         wanted = list(wanted)
+        all_wanted = [*wanted, *(k for branch in branches for k in branch)]
         self.graph = graph
         self.language = language
         self.places = places
         self.lines: list[str] = []
         self.calls: set[str] = set()
         self._text: dict[int, tuple[str, int]] = {}
-        needed = graph.needed(wanted)
-        uses = Counter(a for k in needed for a in graph.nodes[k].args) + Counter(wanted)
+        self._named = 0
+        needed = graph.needed(all_wanted)
+        self._uses = Counter(a for k in needed for a in graph.nodes[k].args) + Counter(all_wanted)
+        common = set.intersection(*(set(graph.needed(branch)) for branch in branches)) if branches else set()
+        self._state(sorted(common.union(graph.needed(wanted))), first)
 
+    def branch(self, wanted: Iterable[int], first: Collection[int] = ()) -> "Branch":
+        """What more some nodes need, apart from what stands already: statements of a block in braces."""
+        before, text = self.lines, dict(self._text)
+        self.lines = []
+        self._state(self.graph.needed(wanted), first)
+        found = Branch(self.lines, {k: self[k] for k in wanted})
+        self.lines, self._text = before, text
+        return found
+
+    def _state(self, needed, first):
+        """Statements of some nodes that have none yet."""
         for k in [*sorted(first), *needed]:
             if k in self._text:
                 continue
 
             text, order = self._expression(k)
-            alone = uses[k] == 1 and len(text) <= LONGEST and k not in first
-            plain = graph.nodes[k].op == "constant" or (graph.nodes[k].op == "leaf" and places.named)
+            alone = self._uses[k] == 1 and len(text) <= LONGEST and k not in first
+            plain = self.graph.nodes[k].op == "constant"
+            plain = plain or (self.graph.nodes[k].op == "leaf" and self.places.named)
             self._text[k] = (text, order) if alone or plain else (self._stated(k, text), _ATOM)
 
     def __getitem__(self, k: int) -> str:
@@ -82,7 +107,8 @@ class Body:
 
     def _stated(self, k, text):
         """The name of what a statement computes."""
-        name = f"t{len(self.lines) + 1}"
+        self._named += 1
+        name = f"t{self._named}"
         kind = self.language.kinds.get(self.graph.nodes[k].kind, "")
         self.lines.append(self.language.statement.format(kind=kind, name=name, value=text))
         return name

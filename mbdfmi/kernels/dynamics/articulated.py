@@ -66,7 +66,7 @@ def add_row_size(m, d, row, r, i):
     if d.held[i] == 0.0 and joints.is_one_axis(kind):
         lever = al.sub(r, al.vec3(d.r, i))
         effort = joints.largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
-        d.row_size[row] += effort / d.D[6 * i]
+        d.row_size[row] += effort * (1.0 / d.D[6 * i])
 
 
 @apart(void(MODEL, DATA, boolean))

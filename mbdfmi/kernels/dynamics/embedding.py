@@ -136,7 +136,8 @@ def set_held_apart(m, d):
 
 @inlined
 def cholesky(L, n, x):
-    """L of L L^T in place. Returns the first coordinate whose pivot is none, -1: all are good.
+    """L of L L^T in place, with the inverses of its diagonal there: what is solved by it is many. Returns the first coordinate
+    whose pivot is none, -1: all are good.
 
     Such a pivot is left in its place, in parts of what there is along the motion x that it belongs to.
     """
@@ -150,9 +151,9 @@ def cholesky(L, n, x):
                 value -= L[n * j + l] * L[n * k + l]
 
             if k < j:
-                L[n * j + k] = value / L[n * k + k]
+                L[n * j + k] = value * L[n * k + k]
             elif value > SUSPECT * diagonal:
-                L[n * j + j] = math.sqrt(value)
+                L[n * j + j] = 1.0 / math.sqrt(value)
             else:
                 size = diagonal + idle_motion(L, n, j, x)
 
@@ -160,7 +161,7 @@ def cholesky(L, n, x):
                     L[n * j + j] = value / size if size > 0.0 else size
                     return j
 
-                L[n * j + j] = math.sqrt(value)
+                L[n * j + j] = 1.0 / math.sqrt(value)
 
     return -1
 
@@ -178,13 +179,15 @@ def idle_motion(L, n, v, x):
     size = 0.0
 
     for j in range(v - 1, -1, -1):
-        x[j] /= L[n * j + j]
+        x[j] *= L[n * j + j]
 
         for k in range(j):
             x[k] -= L[n * j + k] * x[j]
 
-        for k in range(j + 1):
+        for k in range(j):
             size += L[n * j + k] * L[n * j + k] * x[j] * x[j]
+
+        size += x[j] * x[j] / (L[n * j + j] * L[n * j + j])
 
     return size
 
@@ -258,14 +261,14 @@ def solve_lower(L, n, b, at):
         for k in range(j):
             value -= L[n * j + k] * b[at + k]
 
-        b[at + j] = value / L[n * j + j]
+        b[at + j] = value * L[n * j + j]
 
 
 @inlined
 def solve_upper(L, n, b):
     """b[:n] = L^-T b."""
     for j in range(n - 1, -1, -1):
-        value = b[j] / L[n * j + j]
+        value = b[j] * L[n * j + j]
         b[j] = value
 
         for k in range(j):
@@ -322,12 +325,12 @@ def add_jacobian(m, d, row, r, i, moment, force):
 
         for k in range(joints.n_v(kind) if d.held[i] == 0.0 else 0):
             S_w, S_r = joints.subspace(m, d, i, k)
-            diagonal = d.mass_matrix[n * (v + k) + v + k]
+            inverse = d.mass_matrix[n * (v + k) + v + k]
             d.response[row * n + v + k] += al.dot(S_w, moment) + al.dot(S_r, force)
 
             if joints.is_one_axis(kind):
                 lever = al.sub(r, al.vec3(d.r, i))
-                d.row_size[row] += joints.largest_effort(kind, moment, force, lever) / (diagonal * diagonal)
+                d.row_size[row] += joints.largest_effort(kind, moment, force, lever) * (inverse * inverse)
 
         moment = al.add(moment, al.cross(al.vec3(d.arm, i), force))
         i = m.body_parent[i]
@@ -335,13 +338,13 @@ def add_jacobian(m, d, row, r, i, moment, force):
 
 @inlined
 def least_pivot(m, d, v, n):
-    """Least square of the factor's diagonal elements v to v + n."""
-    least = math.inf
+    """Least square of the factor's diagonal elements v to v + n; infinite when there are none."""
+    most = 0.0
 
     for k in range(v, v + n):
-        least = min(least, d.mass_matrix[(m.n_v + 1) * k])
+        most = max(most, d.mass_matrix[(m.n_v + 1) * k])
 
-    return least * least
+    return 1.0 / (most * most) if most > 0.0 else math.inf
 
 
 @inlined

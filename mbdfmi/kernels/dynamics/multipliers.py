@@ -52,7 +52,7 @@ def noise(m, d, i, r, turning, sliding):
     """What a row's unit force at r, or unit moment, could do in joint i of these least pivots if the wrenches of its two sides,
     which cancel below a loop, did not: rounding leaves a part of that."""
     arm = al.sub(r, al.vec3(d.r, i))
-    return (1.0 + al.dot(arm, arm)) / turning + 1.0 / sliding
+    return (1.0 + al.dot(arm, arm)) * (1.0 / turning) + 1.0 / sliding
 
 
 @inlined
@@ -132,7 +132,7 @@ def product(m, d, row, other):
 @inlined
 def drop_share(d):
     """What a row must add to the rows before it beside its reference (see DROP)."""
-    return max(DROP_OF_LIGHT, DROP * min(1.0, d.lightness[0] / LIGHT))
+    return max(DROP_OF_LIGHT, min(DROP, DROP / LIGHT * d.lightness[0]))
 
 
 @inlined

@@ -148,15 +148,16 @@ def articulate(m, d, i, I, H, M, moment, force):
         bias_w = al.vec3(d.bias_w, i)
         bias_r = al.vec3(d.bias_r, i)
         left = effort - al.dot(U_w, bias_w) - al.dot(U_r, bias_r)
-        W_w = al.scale(1.0 / D, U_w)
-        W_r = al.scale(1.0 / D, U_r)
+        inverse = 1.0 / D
+        W_w = al.scale(inverse, U_w)
+        W_r = al.scale(inverse, U_r)
         moment = al.add(moment, al.add(al.sym_vec(I, bias_w), al.mat_vec(H, bias_r)))
         moment = al.axpy(left, W_w, moment)
         force = al.add(force, al.add(al.matT_vec(H, bias_w), al.sym_vec(M, bias_r)))
         force = al.axpy(left, W_r, force)
-        I = al.sym_sub(I, al.sym_outer(1.0 / D, U_w))
+        I = al.sym_sub(I, al.sym_outer(inverse, U_w))
         H = al.mat_sub(H, al.outer(W_w, U_r))
-        M = al.sym_sub(M, al.sym_outer(1.0 / D, U_r))
+        M = al.sym_sub(M, al.sym_outer(inverse, U_r))
         passing.add_inertia(d, parent, arm, I, H, M)
         passing.add_wrench(d, parent, arm, moment, force)
 
@@ -195,10 +196,11 @@ def pass_wrench(m, d, p, i, at, coefficient):
     axis = al.vec3(d.axis, i)
     wrench = al.vec3(d.passed_moment, i) if m.body_joint[i] == REVOLUTE else al.vec3(d.passed_force, i)
     e = coefficient + al.dot(axis, wrench)
-    D = d.D[6 * i]
-    p[at] = e / math.sqrt(D)
-    al.add_vec3(d.passed_moment, i, al.scale(-(e / D), al.vec3(d.U_w, i)))
-    al.add_vec3(d.passed_force, i, al.scale(-(e / D), al.vec3(d.U_r, i)))
+    inverse = 1.0 / d.D[6 * i]
+    p[at] = e * math.sqrt(inverse)
+    taken = -(e * inverse)
+    al.add_vec3(d.passed_moment, i, al.scale(taken, al.vec3(d.U_w, i)))
+    al.add_vec3(d.passed_force, i, al.scale(taken, al.vec3(d.U_r, i)))
     return True
 
 
@@ -206,9 +208,9 @@ def pass_wrench(m, d, p, i, at, coefficient):
 def respond(m, d, i, alpha, rdd):
     """Change of v' by the whitened effort into d.change; (alpha, rdd) of the body from those with the joint at rest."""
     v = m.body_v[i]
-    D = d.D[6 * i]
+    inverse = 1.0 / d.D[6 * i]
     carried = al.dot(al.vec3(d.U_w, i), alpha) + al.dot(al.vec3(d.U_r, i), rdd)
-    rate = d.white[v] / math.sqrt(D) - carried / D
+    rate = d.white[v] * math.sqrt(inverse) - carried * inverse
     d.change[v] = rate
     return give_way(m, d, i, rate, alpha, rdd)
 
