@@ -3,9 +3,10 @@
     python -m benchmarks.specialised [--quick] [WORD ...]
 
 For each scene of models/ with WORD in its name (by default all) and each stepper: CPU times of the same
-communication steps, the least of some rounds, contestants in turn; kB of the library in an FMU; seconds (wall)
-of making it; what part of evaluations and projections was left to the generic kernels; whether all states are
-the same to the bit, or how far they are apart. --quick: fewer rounds, rk4 and auto alone.
+communication steps, the least of some rounds, contestants in turn; kB of the library in an FMU; seconds
+(wall) of making it; what part of evaluations and projections, and how many Jacobians, were left to the
+generic kernels; whether all states are the same to the bit, or how far they are apart. --quick: fewer rounds,
+rk4 and auto alone.
 """
 
 import argparse

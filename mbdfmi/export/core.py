@@ -51,7 +51,11 @@ def core(model, traced: Sequence[Traced] = ()) -> str:
     texts = [_written(program, each) for each in found]
     others = searches.called(program, set().union(*(each.calls for each in found)))
     behind = [*texts, *ends]
-    wanted = [*others, *(one for each in found for one in _needed(program, each)), *_not_replaced(program, entries)]
+    wanted = [
+        *others,
+        *(one for each in found for one in _needed(program, each)),
+        *_not_replaced(program, entries),
+    ]
     declared, functions = program.text(wanted, "\n".join(behind))
     parts = [f"/* {model.name}: written by mbdfmi from the kernels that simulate it. */", PREAMBLE]
     parts += [declared, *(f"{each.head};" for each in found), functions, *behind]

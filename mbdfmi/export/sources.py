@@ -56,7 +56,7 @@ def sources(model, fmi: int, traced) -> dict[str, bytes]:
     headers = (path for path in sorted(wrapper_folder().glob("*.h")) if not path.name.startswith(OTHERS[fmi]))
     wrapper = [*wrapper_sources(fmi), *headers]
     texts = {path.name: path.read_text(encoding="utf-8") for path in wrapper}
-    own = names(model, *(text for name, text in texts.items() if name.endswith(".h")))
+    own = own_names(model, *(text for name, text in texts.items() if name.endswith(".h")))
     texts |= {
         header.NAME: header.layout_header(own),
         "table.c": f"{own}\n{header.table_of_kernels(header.entry.ENTRIES, model.guid)}",
@@ -76,7 +76,7 @@ def sources(model, fmi: int, traced) -> dict[str, bytes]:
     return found
 
 
-def names(model, *texts: str) -> str:
+def own_names(model, *texts: str) -> str:
     """Names of what these texts of headers share among files as the model's own: several FMUs go into one program."""
     stems = "|".join(sorted({path.stem for path in wrapper_folder().glob("*.h")}))
     shared = set(re.findall(rf"\b(?:{stems})_\w+(?=\()", "\n".join(texts)))
@@ -136,7 +136,7 @@ def scene_header(model) -> str:
     calls = "\n\n".join(_CALL.format(**call) for call in _CALLS)
     return _HEADER.format(
         name=model.name,
-        own=names(model),
+        own=own_names(model),
         sizes="\n".join(lines),
         enums="\n\n".join(enums),
         prototypes=prototypes,

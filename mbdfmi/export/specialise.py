@@ -56,9 +56,11 @@ WRAPPER_FLAGS = ("-Os", *_NO_UNWINDING)
 
 @dataclass(frozen=True)
 class Own:
-    """What is a scene's own. traced : x' = f, or None where the generic kernel is better. told : in words."""
+    """What is a scene's own. traced : its kernels, x' = f first; none where the generic ones are better. told : in
+    words.
+    """
 
-    traced: Traced | None
+    traced: tuple[Traced, ...]
     told: str
 
 
@@ -169,9 +171,9 @@ def scene_library(
     found = found or own(model)
     text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
-    digest = hashlib.sha256("\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS]).encode()).hexdigest()[
-        :20
-    ]
+    digest = hashlib.sha256(
+        "\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS]).encode()
+    ).hexdigest()[:20]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
 
     if not path.exists():

@@ -1,7 +1,8 @@
-"""The projection onto the constraints of one scene, traced: what stands for `projection.project` in its own code.
+"""The projection of one scene onto its constraints, traced: what stands for `projection.project`.
 
-Newton's method ends by values. Nearly always it does so at once, or after one correction, so these two ways
-are traced, and what both do is done once; a second correction, and what guards do not allow, is the kernel's.
+Newton's method ends by values. Nearly always it does so at once, or after one or two corrections, so these
+ways are traced, and what they have in common is done once; a third correction, and what guards do not allow,
+is the kernel's.
 """
 
 from typing import NamedTuple
@@ -18,6 +19,9 @@ from .write import Body
 NAME = "traced_projection"
 CLOSING = "dynamics.projection.close_gaps"
 LIMIT = "evaluation_limit"
+
+MOST_CORRECTIONS = 2
+"""Corrections of positions that are traced: steps of fixed length take one at most, nearly all others two."""
 
 
 class _Way(NamedTuple):
@@ -66,7 +70,7 @@ def trace_projection(instance) -> Traced:
     writing = Writing(tracer, instance, known, ())
     ways = []
 
-    for corrections in range(2):
+    for corrections in range(MOST_CORRECTIONS + 1):
         state = {j: tracer.buffers["state"].initial[j] for j in known}
         tracer.begin_anew()
         tracer.buffers["state"].now |= state
@@ -81,39 +85,42 @@ def trace_projection(instance) -> Traced:
     if any(way.status or len(way.gaps) != k + 1 for k, way in enumerate(ways)):
         raise Untraceable("the projection ends otherwise")
 
-    return _written_out(writing, tracer, *ways)
+    return _written_out(writing, tracer, ways)
 
 
-def _written_out(writing, tracer, at_once, corrected):
+def _written_out(writing, tracer, ways):
     graph = tracer.graph
-    rounding = graph.constant(projection.ROUNDING)
-    closed = graph.comparison("<=", at_once.gaps[0], rounding)
-    common = [guard for k, guard in at_once.guards.items() if k in corrected.guards]
-    ways = [[guard for k, guard in way.guards.items() if guard not in common] for way in (at_once, corrected)]
-    ways[1].append(Guard(_is_done(tracer, graph, *corrected.gaps), True, f"{CLOSING}, at its end"))
-    first = [closed, *(guard.node for guard in common)]
+    ends = [_is_closed(tracer, graph, *way.gaps) for way in ways]
     wanted = [
-        [k for _, k in way.stores] + [guard.node for guard in guards]
-        for way, guards in zip((at_once, corrected), ways)
+        [end, *(k for _, k in way.stores), *(guard.node for guard in way.guards.values())]
+        for end, way in zip(ends, ways)
     ]
-    everything = [*first, *wanted[0], *wanted[1]]
-    over = writing.first(everything, [*at_once.stores, *corrected.stores])
-    body = Body(graph, first, C99, READING, over, wanted)
+    everything = [k for each in wanted for k in each]
+    over = writing.first(everything, [store for way in ways for store in way.stores])
+    body = Body(graph, [], C99, READING, over, wanted)
+    lines = body.lines
     counted = writing.left("generic_calls", PROJECTIONS)
-    lines = [*body.lines, *held(common, body.__getitem__, "holds", counted)]
-    blocks = []
+    done: set[int] = set()
 
-    for way, guards, each in zip((at_once, corrected), ways, wanted):
-        branch = body.branch(each)
-        block = [*branch.lines, *held(guards, branch.text.__getitem__, "closes", counted)]
+    for n, (end, way) in enumerate(zip(ends, ways)):
+        common = set.intersection(*(set(each.guards) for each in ways[n:])) - done
+        guards = [guard for k, guard in way.guards.items() if k in common]
+        own = [guard for k, guard in way.guards.items() if k not in common | done]
+        done |= common
+        lines += body.more([end, *common], wanted[n:])
+        lines += held(guards, body.__getitem__, f"holds_{n}", counted)
+        branch = body.branch(wanted[n])
+        block = [*branch.lines, *held(own, branch.text.__getitem__, "closes", counted)]
         block += [f"{place} = {branch.text[k]};" for place, k in way.stores]
-        blocks.append([*block, "return 0;"])
+        block.append("return 0;")
+        lines += [f"if ({body[end]}) {{", *(f"    {line}" if line else "" for line in block), "}", ""]
 
-    lines += [f"if ({body[closed]}) {{", *(f"    {line}" for line in blocks[0]), "}", *blocks[1]]
+    lines += [counted, "return {kernel};"]
     needed = graph.needed(everything)
     _check(writing, [graph.nodes[k].about for k in needed if graph.nodes[k].op == "leaf"])
     kernel = plain_function(projection.project)
-    return Traced(kernel, NAME, body.calls, lines, len(needed), [common, *ways], graph, branch=closed)
+    rests = [(end, list(way.guards.values())) for end, way in zip(ends, ways)]
+    return Traced(kernel, NAME, body.calls, lines, len(needed), rests, graph)
 
 
 def _check(writing, leaves):
@@ -125,9 +132,15 @@ def _check(writing, leaves):
             raise Untraceable(f"`{writing.tracer.array_at(buffer, place)}` of the work arrays is read")
 
 
-def _is_done(tracer, graph, before, gap):
-    """Whether a gap is at rounding, or no longer shrinks where that is allowed (`projection.close_gaps`)."""
+def _is_closed(tracer, graph, *gaps):
+    """Whether the last of some gaps is at rounding, or no longer shrinks where that is allowed (as in
+    `projection.close_gaps`).
+    """
+    small = graph.comparison("<=", gaps[-1], graph.constant(projection.ROUNDING))
+
+    if len(gaps) == 1:
+        return small
+
     allowed = tracer.node_of(tracer.m.closing_tolerance[0])
-    stalls = graph.comparison("<", graph.product(graph.constant(projection.STALLED), before), gap)
-    small = graph.comparison("<=", gap, graph.constant(projection.ROUNDING))
-    return graph.either(small, graph.both(stalls, graph.comparison("<=", gap, allowed)))
+    stalls = graph.comparison("<", graph.product(graph.constant(projection.STALLED), gaps[-2]), gaps[-1])
+    return graph.either(small, graph.both(stalls, graph.comparison("<=", gaps[-1], allowed)))

@@ -43,10 +43,10 @@ class Traced:
 
     kernel : the function that it stands for. name : in C. calls : functions in C that it calls. lines : its
     statements, in which `{kernel}` is the call where a guard fails, and `{before}` that of what is called
-    first. operations : how many it does. ways : what it rests on; where there are two ways through it, what
-    both do, the first, the second. graph : of all that. more : what it takes beside the run, (type, name) each.
-    before : the kernel that is called first. branch : the node by which it goes the first way.
-    spent : evaluations that it stands for, of a Jacobian.
+    first. operations : how many it does. ways : through it, the condition (a node) of each and what it rests
+    on; the first is gone whose condition holds. graph : of all that. more : what it takes beside the run,
+    (type, name) each. before : the kernel that is called first. spent : evaluations that it stands for, of a
+    Jacobian.
     """
 
     kernel: FunctionType
@@ -54,17 +54,16 @@ class Traced:
     calls: set[str]
     lines: list[str]
     operations: int
-    ways: Sequence[Sequence[Guard]]
+    ways: Sequence[tuple[int, Sequence[Guard]]]
     graph: Graph
     more: tuple[tuple[str, str], ...] = ()
     before: FunctionType | None = None
-    branch: int | None = None
     spent: int = 0
 
     @property
     def guards(self) -> list[Guard]:
         """What it rests on, of all ways."""
-        return [guard for way in self.ways for guard in way]
+        return [guard for _, way in self.ways for guard in way]
 
     @property
     def head(self) -> str:
@@ -73,7 +72,9 @@ class Traced:
         return f"static int32_t {self.name}(const Run *run{more})"
 
     def text(self, kernel: str, before: str = "") -> str:
-        """The function in C. kernel : the function that does all where a guard fails. before : that of `before`."""
+        """The function in C. kernel : the function that does all where a guard fails. before : the call of
+        `before`.
+        """
         given = ", ".join(["run", *(name for _, name in self.more)])
         inside = "\n".join(f"    {line}" if line else "" for line in self.lines)
         inside = inside.replace("{kernel}", f"{kernel}({given})").replace("{before}", before)
@@ -82,22 +83,25 @@ class Traced:
     def failing(self, m, d) -> set[str]:
         """Where in the kernels the branches are that go otherwise in a run's present state."""
         buffers = {"reals": m.reals_buffer, "state": d.state_buffer, "work": d.work_buffer, "u": d.u_buffer}
-        wanted = [guard.node for guard in self.guards]
-        wanted += [] if self.branch is None else [self.branch]
+        wanted = [guard.node for guard in self.guards] + [condition for condition, _ in self.ways]
         found = self.graph.values_at(wanted, buffers, VALUES)
-        ways = list(self.ways)
+        way = next((guards for condition, guards in self.ways if found[condition]), None)
 
-        if self.branch is not None:
-            ways = [ways[0], ways[1 if found[self.branch] else 2]]
+        if way is None:
+            return {f"{self.kernel.__module__}.{self.kernel.__name__}, its ways"}
 
-        return {guard.place for way in ways for guard in way if bool(found[guard.node]) is not guard.holds}
+        return {guard.place for guard in way if bool(found[guard.node]) is not guard.holds}
 
 
 def tracer_of(instance, work: Sequence[str] | None = GIVEN_WORK) -> Tracer:
-    """A tracer at the state of an instance: state, inputs and tunable parameters are given, and some work arrays; None: all that change."""
+    """A tracer at the state of an instance. State, inputs and tunable parameters are given, and some work
+    arrays; None: all that change in a run.
+    """
     model = instance.model
     free, anywhere = tunable(model), Everywhere()
-    of_work = set(range(model.n_work)) - places_of(model, STILL_WORK) if work is None else places_of(model, work)
+    of_work = (
+        set(range(model.n_work)) - places_of(model, STILL_WORK) if work is None else places_of(model, work)
+    )
     return Tracer(
         instance.m,
         instance.d,
@@ -124,7 +128,9 @@ def trace_outputs(instance) -> Traced:
     writing = Writing(tracer, instance, known, (*TIME_WORK, "held"))
     writing.stores += [(f"y[{k}]", tracer.node_of(value)) for k, value in enumerate(y)]
     counted = writing.left("generic_calls", OUTPUTS)
-    return writing.one_way(entry.compute_outputs, "traced_outputs", status, counted, more=(("double *", "y"),))
+    return writing.one_way(
+        entry.compute_outputs, "traced_outputs", status, counted, more=(("double *", "y"),)
+    )
 
 
 def trace_jacobian(instance) -> Traced:
@@ -178,7 +184,9 @@ def _elements(m):
 
 
 def kept(instance) -> tuple[str, ...]:
-    """Work arrays that the stepper of an instance reads after an evaluation: explicit pairs alone ask for shares of rows."""
+    """Work arrays that the stepper of an instance reads after an evaluation: explicit pairs alone ask for
+    shares of rows.
+    """
     others = [STEPPERS[name].number for name in ("rk4", "ros2", "gauss", "radau")]
     pairs = instance.m.integrator not in others
     return tuple(name for name in KEPT_WORK if pairs or name != "least_share")
@@ -256,7 +264,7 @@ class Writing:
             body.calls,
             lines,
             len(graph.needed(wanted)),
-            [guards],
+            [(graph.constant(True), guards)],
             graph,
             more,
             plain_function(before) if before else None,
@@ -264,7 +272,9 @@ class Writing:
 
 
 def held(guards: Sequence[Guard], text: Callable[[int], str], name: str, counted: str) -> list[str]:
-    """Statements that leave all to the generic kernel where a guard fails. text : of a node. name : of what tells it."""
+    """Statements that leave all to the generic kernel where a guard fails. text : of a node. name : of what
+    tells it.
+    """
     # of whole numbers, which may be joined without a branch each: truths joined so are warned of
     conditions = [f"(int)({text(g.node)})" if g.holds else f"(int)!({text(g.node)})" for g in guards]
 

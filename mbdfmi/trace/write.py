@@ -77,16 +77,25 @@ class Body:
         self._named = 0
         needed = graph.needed(all_wanted)
         self._uses = Counter(a for k in needed for a in graph.nodes[k].args) + Counter(all_wanted)
-        common = set.intersection(*(set(graph.needed(branch)) for branch in branches)) if branches else set()
-        self._state(sorted(common.union(graph.needed(wanted))), first)
+        self.lines = self.more(wanted, branches, first)
 
-    def branch(self, wanted: Iterable[int], first: Collection[int] = ()) -> "Branch":
-        """What more some nodes need, apart from what stands already: statements of a block in braces."""
-        before, text = self.lines, dict(self._text)
-        self.lines = []
-        self._state(self.graph.needed(wanted), first)
-        found = Branch(self.lines, {k: self[k] for k in wanted})
-        self.lines, self._text = before, text
+    def more(
+        self, wanted: Iterable[int], branches: Sequence[Iterable[int]] = (), first: Collection[int] = ()
+    ) -> list[str]:
+        """Statements for what more is wanted, and for what all of some branches that come behind need."""
+        common = (
+            set.intersection(*(set(self.graph.needed(branch)) for branch in branches)) if branches else set()
+        )
+        before, self.lines = self.lines, []
+        self._state(sorted(common.union(self.graph.needed(wanted))), first)
+        found, self.lines = self.lines, before
+        return found
+
+    def branch(self, wanted: Iterable[int]) -> "Branch":
+        """Statements of a block in braces, for what some nodes need and what does not stand before it."""
+        text = dict(self._text)
+        found = Branch(self.more(wanted), {k: self[k] for k in wanted})
+        self._text = text
         return found
 
     def _state(self, needed, first):
