@@ -16,12 +16,13 @@ FOLDER = MODELS / "coupled"
 @pytest.fixture(scope="module")
 def examples():
     """models/coupled/run.py as a module."""
+    known = [*sys.path]
     sys.path.insert(0, str(FOLDER))
     spec = importlib.util.spec_from_file_location("coupled_examples", FOLDER / "run.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     yield module
-    sys.path.remove(str(FOLDER))
+    sys.path[:] = known
 
 
 # largest difference of each curve from the monolithic solution
@@ -43,6 +44,22 @@ def test_beside_the_monolithic_solution(examples, name):
     assert run.notices == []
     # what goes out of one FMU comes into the other
     assert run.bonds and all(bond.part < 1e-3 for bond in run.bonds)
+
+
+def test_a_turbine_and_its_controller_beside_one_loop(examples):
+    """Asked eight times as often the controller changes little; asked as often as by the master, nothing."""
+    run, curves = examples.turbine()
+    bounds = {"rotor speed": 0.01, "pitch of the blades": 0.04, "thrust": 0.01}
+    for label, (_, ours, theirs) in curves.items():
+        assert 1e-6 < np.abs(ours - theirs).max() < bounds[label], label
+    assert run.notices == []
+
+    system = examples.at_sea.voyage(wind=14.0, hs=4.0, tp=9.0, seed=2)
+    run = system.simulate(until=20.0)
+    speed, pitch, thrust = examples.whole_turbine(system, run["time"], parts=1)
+    assert np.abs(run["turbine.shaft.speed"] - speed).max() < 1e-12
+    assert np.abs(run["controller.blade_pitch"] - pitch).max() < 1e-12
+    assert np.abs(run["turbine.rotor.thrust"] - thrust).max() < 1e-6
 
 
 def test_two_machines_on_an_arm_at_fixed_steps(examples):

@@ -17,8 +17,14 @@ from scipy.integrate import solve_ivp
 import mbdfmi
 from mbdfmi.cosim import CouplingError, load_system
 from mbdfmi.files import replacing
+from mbdfmi.run.instance import Instance
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "floating_wind_turbine"))
+
+import at_sea  # noqa: E402
+from controller import GEAR, Controller  # noqa: E402
+
 CYLINDER = HERE / "fmus" / "cylinder.fmu"
 TIGHT = {"solver.tolerance": 1e-11}
 
@@ -118,12 +124,63 @@ def arm(step=None, **master):
     }
 
 
-EXAMPLES = {"truck": truck, "pendulum": pendulum, "crane": crane, "arm": arm}
+def turbine(step=None, **master):
+    """The turbine at sea for 150 s: rotor speed and pitch of the blades; above rated wind, in a steep sea."""
+    system = at_sea.voyage(wind=14.0, hs=4.0, tp=9.0, seed=2)
+    for key, value in master.items():
+        setattr(system.master, key, value)
+    run = system.simulate(until=150.0, step=step)
+    one = whole_turbine(system, run["time"])
+    return run, {
+        "rotor speed": ("rpm", run["turbine.shaft.speed"] * 30 / np.pi, one[0] * 30 / np.pi),
+        "pitch of the blades": ("deg", np.degrees(run["controller.blade_pitch"]), np.degrees(one[1])),
+        "thrust": ("MN", run["turbine.rotor.thrust"] / 1e6, one[2] / 1e6),
+    }
+
+
+def whole_turbine(system, times, parts=8):
+    """Rotor speed, pitch and thrust of the scene with the controller in one loop, without a master: it is asked `parts` times
+    in each communication step.
+    """
+    table = system.fmu["turbine"]
+    model = table.scene.compile()
+    inputs = {v.name: v.index for v in model.of_causality("input")}
+    outputs = [v.name for v in model.of_causality("output")]
+    seen = [outputs.index(name) for name in ("shaft.speed", "rotor.thrust")]
+    parameters = {name: value for name, value in table.parameters.items() if name not in inputs}
+    held = {inputs[name]: value for name, value in table.parameters.items() if name in inputs}
+    instance = Instance(model, parameters, inputs=held)
+    controller = Controller(instance_name="controller", resources=None, visible=False)
+    controller.start_pitch = system.fmu["controller"].parameters["start_pitch"]
+    rows = []
+
+    for k, time in enumerate(times):
+        steps = [(times[k + 1] - time) / parts] * parts if k + 1 < len(times) else []
+        speed, thrust = instance.outputs()[seen]
+
+        if k == 0:
+            controller.rotor_speed = speed
+            controller.exit_initialization_mode()
+
+        rows.append((speed, controller.pitch, thrust))
+
+        for length in steps:
+            controller.rotor_speed = instance.outputs()[seen[0]]
+            instance.u[inputs["shaft.torque"]] = -GEAR * controller.torque
+            instance.u[inputs["rotor.pitch"]] = controller.pitch
+            instance.step(length)
+            controller.do_step(time, length)
+
+    return np.array(rows).T
+
+
+EXAMPLES = {"truck": truck, "pendulum": pendulum, "crane": crane, "arm": arm, "turbine": turbine}
 TITLES = {
     "truck": "a quarter truck on a step of the road",
     "pendulum": "a double pendulum, split at its joint",
     "crane": "a crane and its hydraulic cylinder",
     "arm": "an arm and its two motors",
+    "turbine": "a floating turbine and its controller",
 }
 
 
