@@ -345,7 +345,13 @@ Instance *instance_create(const char *name, const char *guid, const char *locati
     char why[LONGEST_MESSAGE];
     Instance *c = calloc(1, sizeof *c);
 
-    if (!c) return NULL;
+    if (!c) {
+        Log alone = *log;
+
+        alone.name = (char *)(name ? name : "");
+        log_tell(&alone, STATUS_ERROR, "out of memory");
+        return NULL;
+    }
     c->log = *log;
     c->log.name = copy_text(name ? name : "");
 
