@@ -1,5 +1,7 @@
 """Any calls in any order: python any_calls.py FOLDER FMU-VERSION KIND SEED N drives the FMU unpacked there.
 
+KIND: ModelExchange, CoSimulation, or EventMode: co-simulation that uses it.
+
 Statuses are those of the standard and never Fatal, values that come with OK are finite, and after all a reset makes an instance that
 runs. What brings the process down is told by the process; the last calls are printed as they are made, to a file.
 """
@@ -23,7 +25,7 @@ class Driver:
     def __init__(self, folder, version, kind, seed):
         self.dice = random.Random(seed)
         self.version = version
-        self.exchanges = kind == "ModelExchange"
+        self.exchanges, self.has_events = kind == "ModelExchange", kind == "EventMode"
         host = fmu_host if version == 2 else fmu_host3
         self.library = host.Library(None, folder)
         self.n = len(self.library.description.modelVariables) + 1
@@ -47,7 +49,8 @@ class Driver:
             code = fmu_host.MODEL_EXCHANGE if self.exchanges else fmu_host.CO_SIMULATION
             self.instance = fmu_host.Instance(self.library, kind=code)
         else:
-            extra = None if self.exchanges else (c_bool(False), c_bool(True), None, c_size_t(0))
+            kind = "CoSimulation" if self.has_events else kind
+            extra = None if self.exchanges else (c_bool(self.has_events), c_bool(True), None, c_size_t(0))
             self.update = fmu_host3.UPDATE(self._at_point)
             self.instance = fmu_host3.Instance(
                 self.library, kind=kind, extra=extra, update=None if self.exchanges else self.update
@@ -118,7 +121,8 @@ class Driver:
 
     def one(self, within=False):
         """A call."""
-        actions = WITHIN if within else ALWAYS + (EXCHANGE if self.exchanges else STEPPING)
+        of_kind = EXCHANGE if self.exchanges else STEPPING + [Driver.event] * (3 * self.has_events)
+        actions = WITHIN if within else ALWAYS + of_kind
         self.dice.choice(actions)(self)
 
     def begin(self):
@@ -149,9 +153,9 @@ class Driver:
         """All the way to where it runs."""
         self.begin()
         self.call("ExitInitializationMode")
-        if self.exchanges and self.dice.random() < 0.8:
+        if (self.exchanges or self.has_events) and self.dice.random() < 0.8:
             self.update_discrete()
-            self.call("EnterContinuousTimeMode")
+            self.leave_event_mode()
 
     def initialise(self):
         self.call("ExitInitializationMode")
@@ -324,10 +328,14 @@ class Driver:
             flags, time = [c_bool() for _ in range(5)], c_double()
             self.call("UpdateDiscreteStates", *map(byref, flags), byref(time))
 
+    def leave_event_mode(self):
+        self.call("EnterStepMode" if self.has_events else "EnterContinuousTimeMode")
+
     def event(self):
         self.call("EnterEventMode")
+        self.drive_inputs()
         self.update_discrete()
-        self.call("EnterContinuousTimeMode")
+        self.leave_event_mode()
 
     def completed(self):
         kind = c_int if self.version == 2 else c_bool
@@ -362,6 +370,8 @@ class Driver:
             self.call(self._state("Free"), byref(state))
         assert self.call("Reset") == OK
         self.instance.start()
+        if self.has_events:
+            self.leave_event_mode()
         if not self.exchanges:
             assert self.instance.step(0.0, 0.01) == OK, self.instance.message
         self.instance.free()

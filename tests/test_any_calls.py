@@ -1,4 +1,4 @@
-"""Any calls in any order, in all four kinds of both versions: no process falls, no sanitizer speaks, and a reset makes good again.
+"""Any calls in any order, in all kinds of both versions: no process falls, no sanitizer speaks, and a reset makes good again.
 
 The C of the wrapper is compiled by gcc with its sanitizers of addresses and of undefined behaviour, where there is a gcc, and calls
 the kernels of the library that an FMU has; else that library is driven as it is.
@@ -23,7 +23,7 @@ from mbdfmi.scene import read_scene
 
 HERE = Path(__file__).parent
 MODELS = HERE.parent / "models"
-KINDS = [(fmi, kind) for fmi in (2, 3) for kind in ("CoSimulation", "ModelExchange")]
+KINDS = [(fmi, kind) for fmi in (2, 3) for kind in ("CoSimulation", "ModelExchange")] + [(3, "EventMode")]
 
 ALLOCATIONS = """/* The wrapper's allocations: counted, and one of them fails when it is told so. */
 #undef malloc
@@ -217,7 +217,7 @@ def test_a_few_thousand_calls(fmi, kind, sanitized, tmp_path):
 @pytest.mark.parametrize("scene", ["pendulum", "four_bar", "marble_run", "cam_follower", "satellite"])
 @pytest.mark.parametrize("fmi, kind", KINDS)
 def test_a_million_calls(scene, fmi, kind, sanitized, tmp_path):
-    """50,000 in each of twenty."""
+    """50,000 in each of twenty-five."""
     drive(scene, fmi, kind, 7, 50_000, sanitized, tmp_path)
 
 
