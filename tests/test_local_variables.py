@@ -189,3 +189,19 @@ def test_too_many_are_told_and_left_out(tmp_path, monkeypatch):
     monkeypatch.setattr(survey, "MOST_LOCALS", 10)
     export_fmu(compile_scene(pendulum()), tmp_path / "it.fmu", progress=told.append)
     assert any("without local variables" in text for text in told)
+
+
+def test_a_joint_and_a_body_of_one_name(tmp_path):
+    """Each name is once there: the joint has it."""
+    body = {"arm": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}}
+    joint = {"arm": {"prismatic": {}, "between": ["ground", "arm"]}}
+    model, library = exported(Scene(name="one", body=body, joint=joint), tmp_path)
+    assert fmpy.read_model_description(str(tmp_path / "one.fmu"), validate=True)
+    assert (
+        library.variables["arm.position"].description == "position of arm"
+        and "arm.position[1]" not in library.variables
+    )
+    assert "arm.omega[1]" in library.variables
+    fmu = run(library)
+    assert fmu.value("arm.speed") == pytest.approx(-9.81 * STEPS * H)
+    fmu.free()

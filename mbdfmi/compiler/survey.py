@@ -89,9 +89,9 @@ def survey(builder: Builder, model) -> tuple[Surveys, list[Variable], list[Varia
     efforts = _survey(builder, model, _add_efforts)
     of_efforts = builder.outputs
     motion = _survey(builder, model, _add_motions)
-    taken = {array_of(v.name) for v in model.listed}
+    taken = dict.fromkeys(array_of(v.name) for v in model.listed)
     of_motion, of_efforts = (
-        [v for v in _locals(given, first) if array_of(v.name) not in taken]
+        _with_names(_locals(given, first), taken)
         for given, first in ((builder.outputs, 0), (of_efforts, motion.n_y))
     )
 
@@ -114,6 +114,18 @@ def _size_of_bodies(scene):
         for output in MOTIONS
         if output not in body.output
     )
+
+
+def _with_names(found, taken):
+    """Those whose name is not taken; a joint and a body may be called the same, then the joint has it.
+
+    taken : what has the name of an array, by its words before any comma.
+    """
+    return [v for v in found if taken.setdefault(array_of(v.name), _words(v)) == _words(v)]
+
+
+def _words(variable):
+    return variable.description.partition(",")[0]
 
 
 def _locals(found, first):
