@@ -130,6 +130,19 @@ def test_a_page_is_told_the_waves(tmp_path):
     assert waves(made) is None
 
 
+def test_a_page_of_a_run_shows_the_sea_that_it_had(tmp_path):
+    """Parameters of the sea set for a run: the components of a scene of these values."""
+    made = mbdfmi.load(
+        scene(tmp_path, "{ jonswap = { hs = 2, tp = 8, components = 9 }, direction_deg = 40 }")
+    )
+    other = mbdfmi.load(
+        scene(tmp_path, "{ jonswap = { hs = 3, tp = 6, components = 9, seed = 7 }, direction_deg = 30 }")
+    )
+    sea = {"sea.hs": 3.0, "sea.tp": 6.0, "sea.seed": 7.0, "sea.direction": np.radians(30.0)}
+    run = made.simulate(0.2, 0.1, parameters=sea)
+    assert waves(made, run.states) == waves(other) != waves(made)
+
+
 def noted(folder, waves, sea=""):
     """What is told of a scene with these waves."""
     path = scene(folder, waves)

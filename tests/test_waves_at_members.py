@@ -191,6 +191,26 @@ def test_what_a_member_takes_along_is_the_mass_of_its_water():
         assert_near(a, (1000.0 + weight) / inertia, 1e-9)
 
 
+def test_what_a_member_takes_along_is_that_where_closed_loops_put_it():
+    """A pile on a rail that another joint draws 5 m further down: its water is that of one which starts there."""
+    rail = {"prismatic": {"axis": "z"}}
+    member = {"drag": 0.0, "added_mass": 0.7, "axial_added_mass": 0.4}
+    ends = ((0.0, 0.0, -6.0), (3.0, 0.0, 2.0))
+    there = pile({}, member, ends, rail | {"start": {"position": -5.0}})
+    loop = pile({}, member, ends, rail).model_dump(exclude_unset=True)
+    loop["body"]["cart"] = {"mass": 1.0, "inertia": [1, 1, 1]}
+    loop["joint"] |= {
+        "slide": rail | {"between": ["ground", "cart"], "start": {"position": -5.0}},
+        "tow": {"prismatic": {"axis": "x"}, "between": ["cart", "pile"]},
+    }
+    found, wanted, written = (
+        compile_scene(scene).views()[0].six_by_six_added
+        for scene in (Scene.model_validate(loop), there, pile({}, member, ends, rail))
+    )
+    assert_near(found / np.abs(wanted).max(), wanted / np.abs(wanted).max(), 1e-9)
+    assert np.abs(written - wanted).max() > 0.1 * np.abs(wanted).max()
+
+
 def test_power_and_energy_in_waves():
     """The rate of the total energy is what the water takes or gives."""
     rail = {"prismatic": {"axis": "x"}, "spring": {"stiffness": 3e4}, "start": {"speed": 0.5}}

@@ -153,6 +153,7 @@ class Builder:
     joint_constraints : joint that closes a loop -> its constraint.
     constraint_names, constraint_nodes : joints or couplings, and the nodes they act on, in the order of the constraints.
     force_nodes : nodes between which force elements act.
+    shared_nodes : nodes that move each other's water, so that they accelerate together.
     notices : what a user should be told of what was made of the scene.
     names : what messages call other things than nodes and constraints.
     starts : (array, index) of a start value that is a parameter -> its node.
@@ -161,6 +162,7 @@ class Builder:
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     radiations : forces with memories of waves, in the order of these.
     watched : what tables that may have kinks are over, but time.
+    wave_places, wet_members : what depends on where bodies start once loops are closed, see `hydrodynamics.meet_waves`.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     starts_elsewhere : joints start as was found on another tree, whatever is given.
     start_angles : the same -> rad at the start, where more is known than the joints' own start values.
@@ -182,6 +184,7 @@ class Builder:
         self.constraint_names = []
         self.constraint_nodes = []
         self.force_nodes = []
+        self.shared_nodes = []
         self.joint_constraints = {}
         self.drive_of = {}
         self.driven_cuts = {}
@@ -196,6 +199,7 @@ class Builder:
         self.radiations = []
         self.watched = []
         self.wave_places = []
+        self.wet_members = []
         self._markers = {}
         self.coordinates = {}
         self.starts_elsewhere = start_angles is not None

@@ -12,7 +12,7 @@ class Dependencies:
     """
 
     def __init__(self, builder):
-        self._island = islands(builder.nodes, builder.constraint_nodes)
+        self._island = islands(builder.nodes, builder.constraint_nodes + builder.shared_nodes)
         self._reach = islands(builder.nodes, builder.constraint_nodes + builder.force_nodes)
         # islands -> positions in u of the inputs that move them, that move what force elements hold to them, that pull at them
         moving = [(k, given.nodes) for k, given in enumerate(builder.inputs) if given.moves]

@@ -52,15 +52,16 @@ ERROR = 0.01
 
 
 def add_hydrodynamics(builder, name, force, ends):
-    """Added mass, memory, excitation of a body. Raises SceneError for files that cannot be read."""
+    """Added mass, memory, excitation of bodies. Raises SceneError for files that cannot be read."""
     spec, sea = force.hydrodynamics, builder.scene.sea or Sea()
     path = ("force", name, "hydrodynamics", "file")
     told = _memory_told(spec)
 
     try:
         stamp = spec.file.path.stat().st_mtime_ns
-        coefficients, notes, memory = _read(
-            str(spec.file.path), stamp, sea.density, -builder.scene.gravity[2], spec.scale, told
+        water = sea.density, -builder.scene.gravity[2], spec.scale
+        coefficients, notes, memory, held = _read(
+            str(spec.file.path), stamp, *water, told, spec.bodies, len(ends)
         )
     except (ValueError, OSError) as error:
         raise SceneError([Problem(path, str(error))]) from None
@@ -81,21 +82,46 @@ def add_hydrodynamics(builder, name, force, ends):
         text = "has no added mass at infinite frequency; leave out radiation = false, for the memory finds it"
         raise SceneError([Problem(path, text)])
 
-    add_added_mass(builder, ends[0], infinite)
-    rows = [_add_memory(builder, name, ends[0], memory, infinite), -1]
+    for k, end in enumerate(ends):
+        own = slice(6 * k, 6 * k + 6)
+        add_added_mass(builder, end, infinite[own, own])
+
+    _add_shared_water(builder, ends, infinite)
+    rows = [_add_memory(builder, name, ends, memory, infinite), [-1] * len(ends)]
 
     if sea.waves and memory and not told[2]:
         _tell_outside(builder, path, sea_components(builder.scene), coefficients.omega, RADIATION)
 
     if spec.excitation and sea.waves:
-        rows[1] = _add_excitation(builder, name, force, ends[0], coefficients)
+        rows[1] = _add_excitation(builder, name, force, ends, coefficients, held == 1)
 
     _add_outputs(builder, name, force, rows)
 
 
+def shares_water(scene) -> bool:
+    """Whether bodies move each other's water: then dynamics are by the joint-space mass matrix."""
+    return any(f.kind == "hydrodynamics" and len(f.between) > 1 for f in scene.force.values())
+
+
+def _add_shared_water(builder, ends, infinite):
+    """Added mass between bodies, for each pair that moves; what is fixed to the ground bears what the ground does."""
+    moving = [k for k, end in enumerate(ends) if builder.marker_node(end) > 0]
+
+    for j, b in enumerate(moving):
+        for a in moving[:j]:
+            builder.tables["n_shared_water"].add(
+                shared_from=ends[a],
+                shared_to=ends[b],
+                shared_added=infinite[6 * b : 6 * b + 6, 6 * a : 6 * a + 6],
+            )
+
+    if len(moving) > 1:
+        builder.shared_nodes.append([builder.marker_node(ends[k]) for k in moving])
+
+
 def add_added_mass(builder, marker, added):
-    """Added mass (6, 6) about a marker, in the axes of the inertial frame whatever way its body turns."""
-    builder.tables["n_six_by_six"].add(
+    """Added mass (6, 6) about a marker, in the axes of the inertial frame whatever way its body turns. Returns its row."""
+    return builder.tables["n_six_by_six"].add(
         six_by_six_from=builder.marker("inertial"),
         six_by_six_to=marker,
         six_by_six_adds=builder.marker_node(marker) > 0,
@@ -119,22 +145,49 @@ def _memory_told(spec):
 
 
 @lru_cache(maxsize=8)
-def _read(path, stamp, density, gravity, scale, told):
-    """(coefficients, notes, memory or None) of a file; stamp : a changed file is read anew."""
-    coefficients, notes = read_coefficients(path, density, gravity, scale).checked()
+def _read(path, stamp, density, gravity, scale, told, bodies, count):
+    """(coefficients, notes, memory or None) of some bodies of a file, and how many that has; stamp : a changed file is read anew.
+
+    bodies : their numbers from 1, None: all. count : of the ends that they are to have. Raises ValueError.
+    """
+    found = read_coefficients(path, density, gravity, scale)
+    _check_bodies(path, found.bodies, bodies, count)
+    coefficients, notes = (found.of(bodies) if bodies else found).checked()
+
+    if coefficients.bodies < found.bodies:
+        notes = [
+            f"holds {found.bodies} bodies; those that are not in `bodies` are as if held still where they are",
+            *notes,
+        ]
 
     if told is None:
-        return coefficients, notes, None
+        return coefficients, notes, None, found.bodies
 
     error, states, file = told
 
     if file is None:
-        return coefficients, notes, _kept_fit(coefficients, error, states)
+        return coefficients, notes, _kept_fit(coefficients, error, states), found.bodies
     if coefficients.infinite is None:
         raise ValueError(
             f"{path}: has no added mass at infinite frequency, which a ready model of radiation needs"
         )
-    return coefficients, notes, read_states(file, coefficients.infinite)
+    if count > 1:
+        raise ValueError(f"{file}: is of one body; of several the memory is fitted: leave out radiation")
+    return coefficients, notes, read_states(file, coefficients.infinite), found.bodies
+
+
+def _check_bodies(path, held, bodies, count):
+    """Raises ValueError where the bodies of a file are not those that are asked for."""
+    if bodies and max(bodies) > held:
+        raise ValueError(f"{path}: holds {held} bod{'y' if held == 1 else 'ies'}; there is no {max(bodies)}")
+    if bodies and len(bodies) != count:
+        raise ValueError(f"{path}: `on` names {count} ends, `bodies` {len(bodies)}; one for each")
+    if not bodies and held != count:
+        ends = "an end for each, as in on = [" + ", ".join(f'"body_{k + 1}"' for k in range(held)) + "]"
+        what = "one end" if held == 1 else ends + ", or those that are meant, as in bodies = [1]"
+        raise ValueError(
+            f"{path}: holds {held} bod{'y' if held == 1 else 'ies'}, `on` names {count}; needs {what}"
+        )
 
 
 def _kept_fit(coefficients, error, states):
@@ -167,10 +220,10 @@ def _kept_fit(coefficients, error, states):
     return memory
 
 
-def _add_memory(builder, name, marker, memory, infinite):
-    """Row of the memory of a marker's body, -1 without."""
+def _add_memory(builder, name, ends, memory, infinite):
+    """Rows of the memory of markers' bodies, which share its states; -1 without."""
     if memory is None or not len(memory.pole):
-        return -1
+        return [-1] * len(ends)
 
     tables = builder.tables
     first = tables["n_memory"].length
@@ -181,22 +234,36 @@ def _add_memory(builder, name, marker, memory, infinite):
     pull = np.maximum(pull, pull[memory.mate])
     pull = np.where(pull > 0.0, pull, 1.0)
 
-    for k in range(len(memory.pole)):
-        tables["n_memory"].add(
-            memory_mate=first + memory.mate[k],
-            memory_pole=memory.pole[k],
-            memory_from=memory.source[k] * pull[k],
-            memory_to=memory.sink[k] / pull[k],
+    for mate, pole in zip(memory.mate, memory.pole):
+        tables["n_memory"].add(memory_mate=first + mate, memory_pole=pole)
+
+    rows = []
+
+    for i, marker in enumerate(ends):
+        begin, own = tables["n_memory_row"].length, slice(6 * i, 6 * i + 6)
+
+        for k in range(len(memory.pole)):
+            tables["n_memory_row"].add(
+                memory_from=memory.source[k, own] * pull[k], memory_to=memory.sink[k, own] / pull[k]
+            )
+
+        builder.radiations.append(name)
+        rows.append(
+            tables["n_radiation"].add(
+                radiation_marker=marker,
+                radiation_memory=first,
+                radiation_memories=len(memory.pole),
+                radiation_row=begin,
+            )
         )
 
-    builder.radiations.append(name)
-    return tables["n_radiation"].add(
-        radiation_marker=marker, radiation_memory=first, radiation_memories=len(memory.pole)
-    )
+    return rows
 
 
-def _add_excitation(builder, name, force, marker, coefficients):
-    """Row of what the sea's waves do to a marker's body, about where it starts."""
+def _add_excitation(builder, name, force, ends, coefficients, alone):
+    """Rows of what the sea's waves do to markers' bodies, of one that is alone in its file about where it starts, of others where
+    the file has them.
+    """
     add_waves(builder)
     tables, path = builder.tables, ("force", name, "hydrodynamics", "file")
     waves = sea_components(builder.scene)
@@ -208,22 +275,29 @@ def _add_excitation(builder, name, force, marker, coefficients):
 
     _check_headings(path, headings, waves.heading)
     _tell_outside(builder, path, waves, omega, EXCITATION)
-    first, first_point = tables["n_grid"].length, tables["n_response_point"].length
+    first, rows = tables["n_grid"].length, []
 
     for value in (*omega, *headings):
         tables["n_grid"].add(grid_value=value)
 
-    for point in points.reshape(-1, 48):
-        tables["n_response_point"].add(point_force=point)
+    for k, (marker, end) in enumerate(zip(ends, force.between)):
+        first_point = tables["n_response_point"].length
 
-    builder.counts["n_part"] = builder.counts.get("n_part", 0) + len(waves.omega)
-    row = tables["n_excitation"].add(
-        excitation_marker=marker,
-        excitation_grid=[first, len(omega), len(headings), first_point],
-        excitation_place=start_pose(builder, force.on)[0][:2],
-    )
-    builder.wave_places.append(("excitation_place", row, 2, (marker,), 0.0))
-    return row
+        for point in points[:, :, k].reshape(-1, 48):
+            tables["n_response_point"].add(point_force=point)
+
+        builder.counts["n_part"] = builder.counts.get("n_part", 0) + len(waves.omega)
+        row = tables["n_excitation"].add(
+            excitation_marker=marker,
+            excitation_grid=[first, len(omega), len(headings), first_point],
+            excitation_place=start_pose(builder, end)[0][:2] if alone else [0.0, 0.0],
+        )
+        rows.append(row)
+
+        if alone:
+            builder.wave_places.append(("excitation_place", row, 2, (marker,), 0.0))
+
+    return rows
 
 
 def _check_headings(path, known, wanted):
@@ -239,8 +313,10 @@ def _check_headings(path, known, wanted):
 
 
 def meet_waves(builder, model):
-    """Moves the places where waves meet bodies and members to where these start once loops are closed, if that is known."""
-    if not (builder.wave_places and model.n_constraint):
+    """Moves the places where waves meet bodies and members, and the water that members move along, to where these start once
+    loops are closed, if that is known.
+    """
+    if not ((builder.wave_places or builder.wet_members) and model.n_constraint):
         return
 
     m, d = model.views()
@@ -255,6 +331,11 @@ def meet_waves(builder, model):
         place = (first + part * (last - first))[:size]
         begin = model.ints[layout.SLOT[array]] + row * size
         model.reals[begin : begin + size] = place
+
+    for row, marks, added in builder.wet_members:
+        begin = model.ints[layout.SLOT["six_by_six_added"]] + 36 * row
+        ends = (np.array(markers.position(m, d, mark)) for mark in marks)
+        model.reals[begin : begin + 36] = added(*ends).ravel()
 
 
 def _tell_outside(builder, path, waves, known, what):
@@ -271,44 +352,55 @@ def _tell_outside(builder, path, waves, known, what):
 
 
 def _add_outputs(builder, name, force, rows):
-    nodes = [builder.node_of(force.on)]
+    for k, end in enumerate(force.between):
+        body = end.split(".")[0]
+        parts = (name,) if len(force.between) == 1 else (name, body)
+        words = ", ".join(parts)
 
-    for output in force.output:
-        quantity = HYDRODYNAMICS_OUTPUTS[output]
-        kind, which = HYDRODYNAMICS_KINDS[output]
+        for output in force.output:
+            quantity = HYDRODYNAMICS_OUTPUTS[output]
+            kind, which = HYDRODYNAMICS_KINDS[output]
 
-        if rows[which] < 0:
-            what = ("radiation = false", "no waves that act")[which]
-            raise SceneError([Problem(("force", name, "output"), f'no "{output}": there is {what}')])
+            if rows[which][k] < 0:
+                what = ("radiation = false", "no waves that act")[which]
+                raise SceneError([Problem(("force", name, "output"), f'no "{output}": there is {what}')])
 
-        builder.add_outputs(
-            dotted(name, output), Source(kind, rows[which]), quantity.unit, f"{name}: {quantity.text}", nodes
-        )
+            builder.add_outputs(
+                dotted(*parts, output),
+                Source(kind, rows[which][k]),
+                quantity.unit,
+                f"{words}: {quantity.text}",
+                [builder.node_of(end)],
+            )
 
 
 # the sea
 
 
-def sea_components(scene) -> Components:
-    """The components of the sea's waves, read or drawn. Raises SceneError for files that cannot be read."""
-    waves = scene.sea.waves
-    heading = np.radians(waves.direction_deg)
+def sea_components(scene, parameters=None) -> Components:
+    """The components of the sea's waves, read or drawn. Raises SceneError for files that cannot be read.
+
+    parameters : of a run, by name; those of the sea (`SEA_PARAMETERS`) take the place of the scene's.
+    """
+    waves, given = scene.sea.waves, parameters or {}
+    heading = given.get("sea.direction", np.radians(waves.direction_deg))
 
     if waves.regular:
         spec = waves.regular
-        return regular(spec.height, spec.period, np.radians(spec.phase_deg), heading)
+        height, period = given.get("sea.height", spec.height), given.get("sea.period", spec.period)
+        return regular(height, period, np.radians(spec.phase_deg), heading)
 
     spec = waves.jonswap or waves.pierson_moskowitz
 
     if spec:
         gamma = getattr(spec, "gamma", 1.0)
         return drawn(
-            spec.hs,
-            spec.tp,
+            given.get("sea.hs", spec.hs),
+            given.get("sea.tp", spec.tp),
             gamma,
             spec.components,
             spec.spacing,
-            spec.seed,
+            int(given.get("sea.seed", spec.seed)),
             heading,
             spec.spread,
             spec.directions,

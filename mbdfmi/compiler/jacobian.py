@@ -139,6 +139,9 @@ class _Parts:
             if adds:
                 self._join(self._bodies(self.values["six_by_six_from"][k], self.values["six_by_six_to"][k]))
 
+        for k in zip(self._column("shared_from"), self._column("shared_to")):
+            self._join(self._bodies(*k))
+
     def _bodies(self, *markers):
         """Nodes of markers, -1 being none."""
         of = self._column("marker_body")
@@ -170,16 +173,21 @@ class _Parts:
         return found
 
     def _add_memories(self, first):
-        """Memories of the waves that bodies make, each to its body's island, or by itself where that moves as it is told to.
+        """Memories of the waves that bodies make, each to its bodies' island, or by itself where these move as they are told to.
 
         first : where they stand behind the parameters.
         """
         columns = ("radiation_marker", "radiation_memory", "radiation_memories")
         self.still_memories = []
 
+        markers = {}
+
         for marker, begin, count in zip(*(self._column(name) for name in columns)):
+            markers.setdefault((begin, count), []).append(marker)
+
+        for (begin, count), ends in markers.items():
             states = range(first + begin, first + begin + count)
-            islands = self.islands(self._bodies(marker))
+            islands = self.islands(self._bodies(*ends))
 
             for island in islands:
                 self.parameters[island] += states

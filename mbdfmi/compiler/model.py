@@ -14,7 +14,7 @@ import numpy as np
 from ..kernels import layout, outputs
 from ..kernels.motion.commands import N_DERIVATIVE
 from ..kernels.views import DataView, ModelView
-from ..scene import SceneData
+from ..scene import Problem, SceneData, SceneError
 from ..steppers import STEPPERS, needs_jacobian
 from .absolute import add_absolute_starts, keeps_start, start_motion
 from .bodies import (
@@ -33,7 +33,7 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
-from .hydrodynamics import add_sea, meet_waves
+from .hydrodynamics import add_sea, meet_waves, shares_water
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -162,7 +162,7 @@ def compile_scene(scene: SceneData, first=(), for_fmu=True) -> Model:
 
     Raises SceneError where its parts do not form what the kernels can do.
     """
-    formulation = scene.solver.formulation
+    formulation = _formulation(scene)
 
     if formulation == "augmented":
         relative = _compile(scene, spanning_tree(scene), "recursive", for_fmu=False)
@@ -182,6 +182,18 @@ def compile_scene(scene: SceneData, first=(), for_fmu=True) -> Model:
 
     formulation = "recursive" if formulation == "auto" else formulation
     return replace(_compile(scene, tree, formulation, for_fmu=for_fmu), formulation=formulation)
+
+
+def _formulation(scene):
+    """That of the scene; of one whose bodies move each other's water "embedding". Raises SceneError for another."""
+    asked = scene.solver.formulation
+
+    if not shares_water(scene):
+        return asked
+    if asked not in ("auto", "embedding"):
+        text = f'bodies that move each other\'s water need "embedding", or "auto"; found "{asked}"'
+        raise SceneError([Problem(("solver", "formulation"), text)])
+    return "embedding"
 
 
 def _compile_parted(scene, tree, parted, for_fmu):

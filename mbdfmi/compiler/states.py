@@ -114,10 +114,17 @@ def _memories(builder):
     tables, states = builder.tables, []
     of_marker = tables["n_marker"].columns["marker_body"]
     columns = tables["n_radiation"].columns
+    known = set()
 
-    for name, marker, count in zip(
-        builder.radiations, columns.get("radiation_marker", []), columns.get("radiation_memories", [])
+    for name, marker, first, count in zip(
+        builder.radiations,
+        *(columns.get(f"radiation_{word}", []) for word in ("marker", "memory", "memories")),
     ):
+        # bodies that feel each other's waves share them
+        if int(first[0]) in known:
+            continue
+
+        known.add(int(first[0]))
         about = f"memory of the waves that the body of {name} made"
         node = int(of_marker[int(marker[0])][0])
         states += [_State(f"{dotted(name)}.state_memory", "m/s2", about, 1.0, node)] * int(count[0])

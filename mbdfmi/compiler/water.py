@@ -129,27 +129,36 @@ def _add_stations(builder, force, ends):
 def _add_member_inertia(builder, name, force, ends, density):
     """The water that moves along with what of a member is wet at the start, as added mass about its first end."""
     spec, scene = force.member, builder.scene
-    first, second = (start_pose(builder, end)[0] for end in force.between)
-    way, length = second - first, norm(second - first)
+
+    def added(first, second):
+        return _member_inertia(spec, density, first, second)
+
+    row = add_added_mass(builder, ends[0], added(*(start_pose(builder, end)[0] for end in force.between)))
+    builder.wet_members.append((row, ends, added))
+    node = builder.node_of(force.between[0])
+    others = [
+        other
+        for other, known in scene.force.items()
+        if known.kind == "hydrodynamics" and any(builder.node_of(end) == node for end in known.between)
+    ]
+
+    if others:
+        text = f"counts the inertia of the water twice: {others[0]} knows of it; leave added_mass out beside hydrodynamics"
+        builder.notice(("force", name, "member", "added_mass"), text)
+
+
+def _member_inertia(spec, density, first, second):
+    """(6, 6) of the water that moves along with what is wet of a member from first to second (m), about first."""
+    way = second - first
+    length = norm(way)
     along = np.outer(way, way) / length**2
     begin, last = _wet_span(first[2], second[2])
     across = density * np.pi * spec.diameter**2 / 4 * spec.added_mass * (np.eye(3) - along)
     disc = density * np.pi * spec.diameter**3 / 12 * spec.axial_added_mass * along
     wet = last - begin
     added = sum(_inertia_at(wet / 2 * length * across, (begin + wet * g) * way) for g in GAUSS)
-    added = added + sum(
-        _inertia_at(disc, part * way) for part, z in ((0, first[2]), (1, second[2])) if z <= 0.0
-    )
-    add_added_mass(builder, ends[0], added)
-    others = [
-        other
-        for other, known in scene.force.items()
-        if known.kind == "hydrodynamics" and builder.node_of(known.on) == builder.node_of(force.between[0])
-    ]
-
-    if others:
-        text = f"counts the inertia of the water twice: {others[0]} knows of it; leave added_mass out beside hydrodynamics"
-        builder.notice(("force", name, "member", "added_mass"), text)
+    ends = (part for part, z in ((0, first[2]), (1, second[2])) if z <= 0.0)
+    return added + sum(_inertia_at(disc, part * way) for part in ends)
 
 
 def _wet_span(start, end):

@@ -16,16 +16,22 @@ ENDS = 0.9
 COUNTS = 0.01
 
 
+def motion(k, bodies=1) -> str:
+    """Words for a motion of one of several bodies, from 0."""
+    return DOFS[k % 6] + (f" of body {k // 6 + 1}" if bodies > 1 else "")
+
+
 @dataclass(frozen=True)
 class Coefficients:
-    """Of one body, in ground axes, about its reference point; time as exp(+i omega t), z up.
+    """Of N bodies, six motions each, in ground axes, about their reference points; z up, time as
+    exp(+i omega t).
 
-    omega : (n,) rad/s, ascending, above 0. added : (n, 6, 6) in kg, kg m, kg m2.
-    damping : (n, 6, 6) in N s/m, N s, N m s.
-    infinite : (6, 6) added mass at infinite frequency, or None.
+    omega : (n,) rad/s, ascending, above 0. added : (n, 6 N, 6 N) in kg, kg m, kg m2.
+    damping : (n, 6 N, 6 N) in N s/m, N s, N m s.
+    infinite : (6 N, 6 N) added mass at infinite frequency, or None.
     wave_omega : (k,). headings : (h,) rad, the way that waves travel, ascending.
-    excitation : (k, h, 6) complex, N/m and N, for an elevation Re(exp(i omega t)) at the reference point.
-        These three may be None.
+    excitation : (k, h, 6 N) complex, N/m and N, for an elevation Re(exp(i omega t)) at the origin of the
+        file, which is the reference point of one body. These three may be None.
     """
 
     omega: np.ndarray
@@ -35,6 +41,19 @@ class Coefficients:
     wave_omega: np.ndarray | None = None
     headings: np.ndarray | None = None
     excitation: np.ndarray | None = None
+
+    @property
+    def bodies(self) -> int:
+        """How many they are."""
+        return self.added.shape[1] // 6
+
+    def of(self, numbers) -> "Coefficients":
+        """Of some of the bodies, by their numbers from 1, in that order: the others are held still."""
+        k = np.concatenate([6 * (n - 1) + np.arange(6) for n in numbers])
+        infinite = None if self.infinite is None else self.infinite[np.ix_(k, k)]
+        excitation = None if self.excitation is None else self.excitation[:, :, k]
+        added, damping = self.added[:, k[:, None], k], self.damping[:, k[:, None], k]
+        return replace(self, added=added, damping=damping, infinite=infinite, excitation=excitation)
 
     def checked(self) -> tuple["Coefficients", list[str]]:
         """The same, symmetric, and what a user should be told. Raises ValueError for what no body has."""
@@ -58,7 +77,7 @@ class Coefficients:
 
         if least.min() < -NEGATIVE:
             k = int(least.argmin())
-            dof = DOFS[int(np.argmin(damping[k].diagonal() / scale**2))]
+            dof = motion(int(np.argmin(damping[k].diagonal() / scale**2)), self.bodies)
             notes.append(
                 f"the damping in {dof} is {100 * least[k]:.2g} % of its peak at {self.omega[k]:.4g} rad/s"
             )
@@ -76,13 +95,14 @@ class Coefficients:
         last = of_motion[-1]
 
         return [
-            f"the damping in {DOFS[k]} is {100 * last[k] / peak[k]:.3g} % of its peak at the last frequency, "
-            f"{self.omega[-1]:.4g} rad/s; beyond, it is taken to fall with the third power of frequency"
+            f"the damping in {motion(k, self.bodies)} is {100 * last[k] / peak[k]:.3g} % of its peak at the "
+            f"last frequency, {self.omega[-1]:.4g} rad/s; beyond, it is taken to fall with the third power "
+            "of frequency"
             for k in np.flatnonzero((peak > counts) & (last > ENDS * peak))
         ]
 
     def grid(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Excitation as a bicubic: frequencies (k,), headings (h,), and for each pair of these (4, 12)
+        """Excitation as a bicubic: frequencies (k,), headings (h,), and for each pair of these (N, 4, 12)
         numbers.
 
         They are values, their derivatives by frequency, by heading and by both, each the real parts of six,
@@ -95,7 +115,8 @@ class Coefficients:
         headings, values = _around(self.headings, self.excitation)
         slope = _slope(self.wave_omega, values, 0)
         parts = np.stack([values, slope, _slope(headings, values, 1), _slope(headings, slope, 1)], axis=2)
-        return self.wave_omega, headings, np.concatenate([parts.real, parts.imag], axis=3)
+        parts = np.moveaxis(parts.reshape(*parts.shape[:3], self.bodies, 6), 3, 2)
+        return self.wave_omega, headings, np.concatenate([parts.real, parts.imag], axis=4)
 
 
 def _slope(x, values, axis):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .database import DOFS
+from .database import motion
 
 # frequencies that a message names
 NAMED = 3
@@ -10,12 +10,13 @@ NAMED = 3
 
 def pair(i, j):
     """Words for an element of added mass and damping, of motions from 0."""
-    return f"added mass and damping of modes {i + 1}, {j + 1} ({DOFS[i]}, {DOFS[j]})"
+    bodies = max(i, j) // 6 + 1
+    return f"added mass and damping of modes {i + 1}, {j + 1} ({motion(i, bodies)}, {motion(j, bodies)})"
 
 
 def mode(i):
     """Words for a motion from 0."""
-    return f"mode {i + 1} ({DOFS[i]})"
+    return f"mode {i + 1} ({motion(i, i // 6 + 1)})"
 
 
 def check_whole(path, omega, known, name):

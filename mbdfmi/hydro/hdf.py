@@ -76,25 +76,35 @@ def coefficients_of(dataset) -> Coefficients:
     return _capytaine("dataset", found)
 
 
-def _dof(path, name):
-    """Index of a motion by its name, as "Heave" or "buoy__Heave"."""
-    text = name.decode() if isinstance(name, bytes) else str(name)
-    word = text.rpartition("__")[2].lower()
+def _dofs(path, names):
+    """Indices of motions by their names, as "Heave" or "buoy__Heave"; bodies in the order of their first
+    motions.
+    """
+    texts = [name.decode() if isinstance(name, bytes) else str(name) for name in names]
+    bodies = list(dict.fromkeys(text.rpartition("__")[0] for text in texts))
+    found = []
 
-    if word not in DOFS:
-        raise ValueError(f"{path}: motion {text!r} is none of {', '.join(DOFS)} of one rigid body")
+    for text in texts:
+        body, _, word = text.rpartition("__")
 
-    return DOFS.index(word)
+        if word.lower() not in DOFS:
+            raise ValueError(f"{path}: motion {text!r} is none of {', '.join(DOFS)} of a rigid body")
+
+        found.append(6 * bodies.index(body) + DOFS.index(word.lower()))
+
+    if len(set(found)) != len(found):
+        raise ValueError(
+            f"{path}: has motion {texts[[k in found[:i] for i, k in enumerate(found)].index(True)]!r} twice"
+        )
+
+    return found
 
 
 def _capytaine(path, file):
     """Time is exp(-i omega t) there: forces are the conjugate of ours. omega = 0 and inf may be there."""
     omega = np.array(file["omega"][1], float)
-    radiating = [_dof(path, name) for name in file["radiating_dof"][1]]
-    influenced = [_dof(path, name) for name in file["influenced_dof"][1]]
-
-    if len(set(radiating)) != len(radiating):
-        raise ValueError(f"{path}: holds several bodies; one is read")
+    radiating, influenced = (_dofs(path, file[f"{name}_dof"][1]) for name in ("radiating", "influenced"))
+    motions = 6 * (max(radiating + influenced) // 6 + 1)
 
     def matrices(name):
         order, values = file[name]
@@ -103,14 +113,14 @@ def _capytaine(path, file):
         # other axes have one value, as water depth
         others = [k for k in range(values.ndim) if k not in wanted]
         values = np.transpose(values, wanted + others).reshape(*(values.shape[k] for k in wanted))
-        full = np.full((len(omega), 6, 6), np.nan)
+        full = np.full((len(omega), motions, motions), np.nan)
         full[np.ix_(range(len(omega)), influenced, radiating)] = values
         return full
 
     good, added, damping = _radiating(path, omega, matrices("added_mass"), matrices("radiation_damping"))
 
     # never A at omega = inf, which depends on the mesh: the memory finds it
-    rest = _capytaine_forces(path, file, omega, influenced)
+    rest = _capytaine_forces(path, file, omega, influenced, motions)
     return Coefficients(omega[good], added, damping, None, *rest)
 
 
@@ -136,7 +146,7 @@ def _exciting(path, omega, headings, force):
     return omega[good], headings[turn], np.where(known, force, 0.0)
 
 
-def _capytaine_forces(path, file, omega, influenced):
+def _capytaine_forces(path, file, omega, influenced, motions):
     """(omega, headings, excitation), None each without."""
     names = (
         ["excitation_force"] if "excitation_force" in file else ["Froude_Krylov_force", "diffraction_force"]
@@ -146,7 +156,7 @@ def _capytaine_forces(path, file, omega, influenced):
         return None, None, None
 
     headings = np.array(file["wave_direction"][1], float)
-    total = np.full((len(omega), len(headings), 6), np.nan, complex)
+    total = np.full((len(omega), len(headings), motions), np.nan, complex)
     total[:, :, influenced] = 0.0
 
     for name in names:
@@ -163,29 +173,33 @@ def _capytaine_forces(path, file, omega, influenced):
 
 
 def _bemio(path, file, density, gravity):
-    """Of the one body: A by rho, B by rho omega, X by rho g."""
-    bodies = [name for name in file if re.fullmatch(r"body\d+", name)]
-
-    if len(bodies) > 1:
-        raise ValueError(f"{path}: holds {len(bodies)} bodies; one is read")
-
-    settings, found = file["simulation_parameters"], file[bodies[0]]["hydro_coeffs"]
+    """A by rho, B by rho omega, X by rho g; of each body its rows."""
+    bodies = sorted((name for name in file if re.fullmatch(r"body\d+", name)), key=lambda name: int(name[4:]))
+    settings, found = file["simulation_parameters"], [file[name]["hydro_coeffs"] for name in bodies]
     omega = np.ravel(settings["w"])
-    added = density * np.moveaxis(np.array(found["added_mass/all"], float), -1, 0)
-    damping = density * np.moveaxis(np.array(found["radiation_damping/all"], float), -1, 0)
+    motions = 6 * len(bodies)
 
-    if not added.shape == damping.shape == (len(omega), 6, 6):
+    def rows(name):
+        return [np.array(part[name], float) for part in found]
+
+    added, damping = (
+        density * np.moveaxis(np.concatenate(rows(f"{name}/all")), -1, 0)
+        for name in ("added_mass", "radiation_damping")
+    )
+
+    if not added.shape == damping.shape == (len(omega), motions, motions):
         raise ValueError(
-            f"{path}: has {len(omega)} frequencies; added mass and damping are {added.shape}, {damping.shape}"
+            f"{path}: has {len(omega)} frequencies and {motions} motions; added mass and damping are "
+            f"{added.shape}, {damping.shape}"
         )
 
     good, added, damping = _radiating(path, omega, added, damping * omega[:, None, None])
     infinite = None
 
-    if "inf_freq" in found["added_mass"]:
-        infinite = density * np.array(found["added_mass/inf_freq"], float)
+    if all("inf_freq" in part["added_mass"] for part in found):
+        infinite = density * np.concatenate(rows("added_mass/inf_freq"))
 
-    force = np.array(found["excitation/re"], float) + 1j * np.array(found["excitation/im"], float)
+    force = np.concatenate(rows("excitation/re")) + 1j * np.concatenate(rows("excitation/im"))
     headings = np.radians(np.ravel(settings["wave_dir"]))
     force = density * gravity * np.moveaxis(force, (2, 1, 0), (0, 1, 2))
     return Coefficients(omega[good], added, damping, infinite, *_exciting(path, omega, headings, force))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # which imports its parts when they are asked for
 
-from .database import DOFS, Coefficients
+from .database import Coefficients, motion
 
 # of the peaks of two motions: coupling that counts
 COUPLED = 2e-3
@@ -27,10 +27,19 @@ MEETS = 1e-6
 FAR = 60.0
 PASSIVE = 1e-6
 
+# of the peak: energy that waves would give from which on a fit is none
+GIVES = 1e-4
+
+# of the largest: what is rounding; a way to make waves that is none
+NOTHING = 1e-10
+FEWER = 1e-4
+
 # that are kept of what is found
 DIGITS = 9
 
+# of a group of motions that are coupled: as many states, or as many for each of them
 MOST_STATES = 40
+MOST_A_MOTION = 10
 ROWS = 90
 
 
@@ -40,8 +49,8 @@ class Memory:
 
     pole : (n, 2) 1/s, real part and rate by the mate, of opposite signs in a pair.
     mate : (n,) index of it, its own where it is single.
-    source : (n, 6); sink : (n, 6).
-    infinite : (6, 6) added mass at infinite frequency.
+    source : (n, 6 N); sink : (n, 6 N), of N bodies.
+    infinite : (6 N, 6 N) added mass at infinite frequency.
     error : largest error of H by the peak of its motion; orders : [(motions, states)].
     """
 
@@ -54,7 +63,7 @@ class Memory:
     orders: list
 
     def response(self, omega):
-        """(n, 6, 6) complex: H at frequencies (n,)."""
+        """(n, 6 N, 6 N) complex: H at frequencies (n,)."""
         A = np.diag(self.pole[:, 0])
         A[np.arange(len(A)), self.mate] += self.pole[:, 1]
         return np.array(
@@ -74,11 +83,11 @@ class Kernel:
         step = self.top * BEYOND / (FINE * BEYOND)
         self.omega = step * np.arange(int(BEYOND * FINE) + 1)
         inside = self.omega <= self.top
-        self.B = np.zeros((len(self.omega), 6, 6))
+        self.B = np.zeros((len(self.omega), *B.shape[1:]))
         known = np.concatenate([[0.0], omega])
-        self.B[inside] = scipy.interpolate.PchipInterpolator(known, np.concatenate([np.zeros((1, 6, 6)), B]))(
-            self.omega[inside]
-        )
+        self.B[inside] = scipy.interpolate.PchipInterpolator(
+            known, np.concatenate([np.zeros((1, *B.shape[1:])), B])
+        )(self.omega[inside])
         self.B[~inside] = B[-1] * (self.top / self.omega[~inside, None, None]) ** 3
         self.step = step
         self.infinite = (
@@ -86,7 +95,7 @@ class Kernel:
         )
 
     def at(self, time):
-        """(n, 6, 6) K at times (n,)."""
+        """(n, 6 N, 6 N) K at times (n,)."""
         weights = np.full(len(self.omega), self.step)
         weights[[0, -1]] /= 2
         waves = np.cos(np.outer(time, self.omega)) * weights
@@ -94,7 +103,7 @@ class Kernel:
 
     def added(self, omega):
         """(n, 6, 6): A - A_inf at frequencies w: 2 / pi int (B(u) - B(w)) / (u^2 - w^2) du."""
-        found = np.empty((len(omega), 6, 6))
+        found = np.empty((len(omega), *self.B.shape[1:]))
         spline = scipy.interpolate.CubicSpline(self.omega, self.B)
         middles = (self.omega[1:] + self.omega[:-1]) / 2
         slope = spline.derivative()
@@ -119,7 +128,7 @@ class Kernel:
         return np.median(coefficients.added[inside] - self.added(coefficients.omega[inside]), axis=0)
 
     def response(self, omega):
-        """(n, 6, 6) complex: H = B + i omega (A - A_inf)."""
+        """(n, 6 N, 6 N) complex: H = B + i omega (A - A_inf)."""
         w = np.asarray(omega)[:, None, None]
         return scipy.interpolate.CubicSpline(self.omega, self.B)(omega) + 1j * w * self.added(omega)
 
@@ -146,7 +155,7 @@ def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
 
 def _groups(B, scale):
     """Motions that are coupled, as lists; those without damping are none's."""
-    moving = [k for k in range(6) if scale[k] > 1e-9 * scale.max()]
+    moving = [k for k in range(len(scale)) if scale[k] > 1e-9 * scale.max()]
     safe = np.where(scale > 0, scale, 1.0)
     coupling = np.abs(B / np.outer(safe, safe)).max(axis=0)
     groups = []
@@ -175,28 +184,60 @@ def _fit_group(kernel, samples, group, scale, error, states):
     step = max(span / (2 * ROWS), 0.25 / kernel.top)
     K = kernel.at(step * np.arange(2 * ROWS))[np.ix_(range(2 * ROWS), group, group)] / np.outer(scale, scale)
     H = response[np.ix_(range(len(omega)), group, group)] / np.outer(scale, scale)
+    ways = _ways(H.real)
+    r = ways.shape[1]
+    K, H = ways.T @ K @ ways, ways.T @ H @ ways
     realisation = _Kung(K, step)
-    best = None
+    most = max(MOST_STATES, MOST_A_MOTION * r)
+    found = []
 
-    for n in [states] if states else range(2 * len(group), MOST_STATES + 1, 2):
+    for n in [states] if states else range(2 * r, most + 1, max(2, 2 * (r // 2) - 2)):
         A, B = realisation.poles(n)
 
         if not len(A):
             continue
 
-        C, missed = _sinks(A, B, omega, H, kernel.top)
+        found.append(_Sinks(A, B, omega, H))
 
-        if best is None or missed < best[1]:
-            best = (A, B, C), missed
-        if missed < error and not states:
+        if found[-1].missed < error and not states and found[-1].made_passive(kernel.top).missed < error:
             break
 
-    if best is None:
-        motions = ", ".join(DOFS[k] for k in group)
+    if not found:
+        motions = ", ".join(motion(k, kernel.B.shape[1] // 6) for k in group)
         raise ValueError(f"no memory that dies out can be fitted to the damping in {motions}; has it spikes?")
 
-    (A, B, C), missed = best
-    return (A, B * scale, C * scale[:, None]), missed
+    best = _best(found, kernel.top)
+    return (best.A, best.B @ ways.T * scale, ways @ best.C * scale[:, None]), best.missed
+
+
+def _ways(damping):
+    """(m, r) orthogonal: the motions by which all waves are made; all m are left as they are.
+
+    Where the damping (n, m, m) makes fewer waves than there are motions, further ones would be fitted to
+    rounding.
+    """
+    m = damping.shape[1]
+    U, size, _ = np.linalg.svd(damping.transpose(1, 0, 2).reshape(m, -1), full_matrices=False)
+    r = int((size > FEWER * size[0]).sum())
+    return np.eye(m) if r == m else U[:, :r]
+
+
+def _best(found, top):
+    """Of some fits the passive one that misses least; to be made passive costs time, and a fit some of its
+    error.
+    """
+    found = sorted(found, key=lambda one: one.missed)
+    best = found[0].made_passive(top)
+
+    for one in found[1:]:
+        if one.missed >= best.missed:
+            break
+        best = min(best, one.made_passive(top), key=lambda one: one.missed)
+
+    if not np.isfinite(best.missed):
+        raise ValueError("no memory that takes energy alone can be fitted to the damping; has it spikes?")
+
+    return best
 
 
 class _Kung:
@@ -212,9 +253,10 @@ class _Kung:
         """(A in real modal form, B) of order n at most: poles that grow are left out."""
         root = np.sqrt(self.s[:n])
         O = self.U[:, :n] * root
-        step = np.linalg.lstsq(O[: -self.m], O[self.m :], rcond=None)[0]
-        A, source = scipy.linalg.logm(step) / self.step, (root[:, None] * self.V[:n])[:, : self.m]
-        values, vectors = np.linalg.eig(A)
+        step = _least_squares(O[: -self.m], O[self.m :])
+        source = (root[:, None] * self.V[:n])[:, : self.m]
+        values, vectors = np.linalg.eig(step)
+        values = np.log(values.astype(complex)) / self.step
         modal = np.linalg.solve(vectors, source.astype(complex))
         blocks, rows = [], []
 
@@ -239,75 +281,117 @@ class _Kung:
         return A, np.vstack(rows) if rows else np.zeros((0, self.m))
 
 
-def _sinks(A, B, omega, H, top):
-    """(C, largest error): by least squares, without damping at 0, symmetric at once, passive."""
-    n, m = B.shape
-    phi = np.array([np.linalg.solve(1j * w * np.eye(n) - A, B) for w in omega])
-    peak = np.abs(H).max(axis=(0, 1, 2))
+class _Sinks:
+    """C of H = C (i omega - A)^-1 B by least squares, without damping at 0, symmetric at once.
 
-    # rows of C in a row as unknowns; H_ij = sum_k C_ik phi_kj
-    wide = np.kron(np.eye(m), np.concatenate([phi.real, phi.imag]).transpose(0, 2, 1).reshape(-1, n))
-    target = np.concatenate([H.real, H.imag]).transpose(1, 0, 2).reshape(m, -1).ravel()
-    still = np.kron(np.eye(m), np.linalg.solve(A, B).T)
-    swaps = []
+    Rows of C in a row are the unknowns; the same matrix of the poles stands before each row, so that what is
+    left of it by QR, n equations for each of m motions, is all that has to be solved.
+    """
 
-    for i in range(m):
-        for j in range(i):
-            row = np.zeros((m, n))
-            row[i], row[j] = B[:, j], -B[:, i]
-            swaps.append(row.ravel())
+    def __init__(self, A, B, omega, H):
+        self.A, self.B, self.H = A, B, H
+        self.is_passive = False
+        n, m = B.shape
+        self.phi = _responses(A, B, omega)
+        self.peak = np.abs(H).max(axis=(0, 1, 2))
 
-    free = scipy.linalg.null_space(np.vstack([still, *swaps]) if swaps else still)
-    reduced = wide @ free
-    solution = np.linalg.lstsq(reduced, target, rcond=None)[0]
-    solution = _made_passive(solution, reduced, free, A, B, peak, top)
-    C = (free @ solution).reshape(m, n)
-    return C, np.abs(np.einsum("ik,wkj->wij", C, phi) - H).max() / peak
+        # H_ij = sum_k C_ik phi_kj
+        wide = np.concatenate([self.phi.real, self.phi.imag]).transpose(0, 2, 1).reshape(-1, n)
+        target = np.concatenate([H.real, H.imag]).transpose(0, 2, 1).reshape(-1, m)
+        Q, R = np.linalg.qr(wide)
+        still = np.kron(np.eye(m), np.linalg.solve(A, B).T)
+        swaps = []
 
+        for i in range(m):
+            for j in range(i):
+                row = np.zeros((m, n))
+                row[i], row[j] = B[:, j], -B[:, i]
+                swaps.append(row.ravel())
 
-def _made_passive(solution, reduced, free, A, B, peak, top):
-    """The nearest solution (by the fit's own error) whose H + H^* is nowhere negative."""
-    n, m = B.shape
-    grid = np.unique(np.concatenate([np.linspace(0, 2 * top, 500)[1:], np.geomspace(2 * top, FAR * top, 60)]))
-    phi = np.array([np.linalg.solve(1j * w * np.eye(n) - A, B) for w in grid])
+        self.free = _null_space(np.vstack([still, *swaps]) if swaps else still)
+        self.reduced = np.kron(np.eye(m), R) @ self.free
+        self._take(_least_squares(self.reduced, (Q.T @ target).T.ravel()))
 
-    # far away H + H^* falls as 1 / omega^2
-    weight = 1.0 + (grid / top) ** 2
-    _, triangle = np.linalg.qr(reduced)
-    inverse = np.linalg.pinv(triangle)
-    rows, start = [], solution
+    def _take(self, solution):
+        self.solution = solution
+        self.C = (self.free @ solution).reshape(self.B.shape[::-1])
 
-    for _ in range(30):
-        C = (free @ solution).reshape(m, n)
-        H = np.einsum("ik,wkj->wij", C, phi)
-        values, vectors = np.linalg.eigh((H + H.conj().transpose(0, 2, 1)) / 2)
-        lowest = values[:, 0] * weight
+        # largest error of H by its peak
+        self.missed = float(np.abs(self.C @ self.phi - self.H).max() / self.peak)
 
-        if lowest.min() >= -PASSIVE * peak:
-            break
+    def made_passive(self, top) -> "_Sinks":
+        """These, made the nearest ones (by the fit's own error) whose H + H^* is nowhere negative, as far as
+        it gets.
+        """
+        if self.is_passive:
+            return self
 
-        # at each local minimum below 0: Re(v^* C phi v) >= 0, linear in C
-        low = np.r_[True, lowest[1:] < lowest[:-1]] & np.r_[lowest[:-1] <= lowest[1:], True] & (lowest < 0)
-
-        for k in np.flatnonzero(low):
-            v = vectors[k, :, 0]
-            row = np.real(np.outer(v.conj(), phi[k] @ v)).ravel() @ free
-            rows.append(weight[k] * row / peak)
-
-        # least |triangle (x - start)| under rows x >= 0, Lawson and Hanson's LDP
-        G = np.array(rows) @ inverse
-        h = PASSIVE / 2 - np.array(rows) @ start
-        u, _ = scipy.optimize.nnls(
-            np.vstack([G.T, h]), np.r_[np.zeros(G.shape[1]), 1.0], maxiter=50 * len(h) + 500
+        self.is_passive = True
+        grid = np.unique(
+            np.concatenate([np.linspace(0, 2 * top, 500)[1:], np.geomspace(2 * top, FAR * top, 60)])
         )
-        r = np.vstack([G.T, h]) @ u - np.r_[np.zeros(G.shape[1]), 1.0]
+        phi = _responses(self.A, self.B, grid)
 
-        if abs(r[-1]) < 1e-14:
-            break
+        # far away H + H^* falls as 1 / omega^2
+        weight = 1.0 + (grid / top) ** 2
+        _, triangle = np.linalg.qr(self.reduced)
+        inverse = np.linalg.pinv(triangle)
+        rows, start = [], self.solution
 
-        solution = start + inverse @ (-r[:-1] / r[-1])
+        for _ in range(30):
+            H = self.C @ phi
+            real = (H + H.conj().transpose(0, 2, 1)) / 2
+            lowest = np.linalg.eigvalsh(real)[:, 0] * weight
 
-    return solution
+            if lowest.min() >= -PASSIVE * self.peak:
+                break
+
+            # at each local minimum below 0: Re(v^* C phi v) >= 0, linear in C
+            low = (
+                np.r_[True, lowest[1:] < lowest[:-1]] & np.r_[lowest[:-1] <= lowest[1:], True] & (lowest < 0)
+            )
+
+            for k in np.flatnonzero(low):
+                v = np.linalg.eigh(real[k])[1][:, 0]
+                row = np.real(np.outer(v.conj(), phi[k] @ v)).ravel() @ self.free
+                rows.append(weight[k] * row / self.peak)
+
+            # least |triangle (x - start)| under rows x >= 0, Lawson and Hanson's LDP
+            G = np.array(rows) @ inverse
+            h = PASSIVE / 2 - np.array(rows) @ start
+            u, _ = scipy.optimize.nnls(
+                np.vstack([G.T, h]), np.r_[np.zeros(G.shape[1]), 1.0], maxiter=50 * len(h) + 500
+            )
+            r = np.vstack([G.T, h]) @ u - np.r_[np.zeros(G.shape[1]), 1.0]
+
+            if abs(r[-1]) < 1e-14:
+                break
+
+            self._take(start + inverse @ (-r[:-1] / r[-1]))
+
+        H = self.C @ phi
+        lowest = np.linalg.eigvalsh((H + H.conj().transpose(0, 2, 1)) / 2)[:, 0] * weight
+
+        if not lowest.min() >= -GIVES * self.peak:
+            self.missed = np.inf
+
+        return self
+
+
+def _least_squares(A, b):
+    return scipy.linalg.lstsq(A, b, cond=NOTHING, lapack_driver="gelsy", check_finite=False)[0]
+
+
+def _null_space(rows):
+    """(n, k): columns to which all rows (m, n) are perpendicular."""
+    Q, R, _ = scipy.linalg.qr(rows.T, pivoting=True)
+    size = np.abs(R.diagonal())
+    return Q[:, (size > 1e-12 * size[0]).sum() :]
+
+
+def _responses(A, B, omega):
+    """(n, ...) complex: (i omega - A)^-1 B at frequencies (n,)."""
+    return np.linalg.solve(1j * omega[:, None, None] * np.eye(len(A)) - A, B.astype(complex))
 
 
 def _joined(parts, infinite, error, orders):
@@ -321,15 +405,15 @@ def _joined(parts, infinite, error, orders):
             other = next((j for j in range(len(A)) if j != k and A[k, j] != 0.0), k)
             pole.append((A[k, k], A[k, other] if other != k else 0.0))
             mate.append(first + other)
-            source.append(np.zeros(6))
-            sink.append(np.zeros(6))
+            source.append(np.zeros(len(infinite)))
+            sink.append(np.zeros(len(infinite)))
             source[-1][group], sink[-1][group] = B[k], C[:, k]
 
     return Memory(
         _rounded(np.array(pole, float).reshape(-1, 2)),
         np.array(mate, int),
-        _rounded(np.array(source, float).reshape(-1, 6)),
-        _rounded(np.array(sink, float).reshape(-1, 6)),
+        _rounded(np.array(source, float).reshape(-1, len(infinite))),
+        _rounded(np.array(sink, float).reshape(-1, len(infinite))),
         _rounded(infinite),
         error,
         orders,

@@ -10,18 +10,19 @@ from .gaps import check_whole
 
 
 def read_nemoh(path) -> Coefficients:
-    """Coefficients of one body, in SI as they are written. Raises ValueError that names the file."""
+    """Coefficients in SI as they are written. Raises ValueError that names the file."""
     path = Path(path)
-    zones = list(_zones(path, 13))
+    zones = list(_zones(path))
 
-    if len(zones) != 6:
-        raise ValueError(f"{path}: has {len(zones)} zones, one for each motion of one body are 6")
+    if not zones or len(zones) % 6:
+        raise ValueError(f"{path}: has {len(zones)} zones, one for each motion are 6 for a body")
 
     omega = _frequencies(path, zones)
+    _check_width(path, zones, len(zones))
     values = np.array([rows[:, 1:] for _, rows in zones])
     added, damping = values[:, :, ::2].transpose(1, 0, 2), values[:, :, 1::2].transpose(1, 0, 2)
     beside = path.with_name("ExcitationForce.tec")
-    rest = _excitation(beside) if beside.is_file() else (None, None, None)
+    rest = _excitation(beside, len(zones)) if beside.is_file() else (None, None, None)
     return Coefficients(omega, added, damping, None, *rest)
 
 
@@ -37,7 +38,17 @@ def _frequencies(path, zones):
     return omega
 
 
-def _zones(path, width):
+def _check_width(path, zones, motions):
+    """Raises ValueError where rows are not a frequency and two numbers for each motion."""
+    for title, rows in zones:
+        if rows.shape[1] != 1 + 2 * motions:
+            raise ValueError(
+                f"{path}: zone {title.strip()[:60]!r} has rows of {rows.shape[1]} numbers, not "
+                f"{1 + 2 * motions} as of {motions} motions"
+            )
+
+
+def _zones(path):
     """(title, rows (n, width)) of each zone."""
     try:
         lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
@@ -58,8 +69,10 @@ def _zones(path, width):
                 raise ValueError(
                     f"{path}: line {number} is no row of numbers: {line.strip()[:60]!r}"
                 ) from None
-            if len(row) != width:
-                raise ValueError(f"{path}: line {number} has {len(row)} numbers, not {width} as of one body")
+            if rows and len(row) != len(rows[0]):
+                raise ValueError(
+                    f"{path}: line {number} has {len(row)} numbers, the line before {len(rows[0])}"
+                )
             if not np.isfinite(row).all():
                 raise ValueError(f"{path}: line {number} has what is no finite number: {line.strip()[:60]!r}")
             rows.append(row)
@@ -68,13 +81,15 @@ def _zones(path, width):
         yield title, np.array(rows)
 
 
-def _excitation(path):
+def _excitation(path, motions):
     """(omega, headings, excitation): amplitudes and phases of exp(-i omega t), in rad or in degrees."""
     headings, forces = [], []
-    zones = list(_zones(path, 13))
+    zones = list(_zones(path))
 
     if not zones:
         raise ValueError(f"{path}: has no zones")
+
+    _check_width(path, zones, motions)
 
     omega = _frequencies(path, zones)
 

@@ -10,6 +10,9 @@ from ..files import replacing
 from .database import Coefficients
 from .gaps import check_headings, check_whole, pair
 
+# more degrees of freedom than these have are no file of WAMIT's
+MOST_BODIES = 20
+
 
 def read_wamit(path, density, gravity, scale=1.0) -> Coefficients:
     """Coefficients of NAME.1 and, where it is there, NAME.3 beside it.
@@ -17,9 +20,11 @@ def read_wamit(path, density, gravity, scale=1.0) -> Coefficients:
     scale : m, the length that they are non-dimensional by (ULEN). Raises ValueError that names file and line.
     """
     path = Path(path)
-    omega, added, damping, infinite = _radiation(path, density, scale)
+    rows = list(_rows(path, (4, 5)))
+    motions = _motions(path, rows)
+    omega, added, damping, infinite = _radiation(path, rows, motions, density, scale)
     waves = next((p for p in (path.with_suffix(".3"), path.with_suffix(".3.gz")) if p.is_file()), None)
-    rest = _excitation(waves, density, gravity, scale) if waves else (None, None, None)
+    rest = _excitation(waves, motions, density, gravity, scale) if waves else (None, None, None)
     return Coefficients(omega, added, damping, infinite, *rest)
 
 
@@ -57,23 +62,27 @@ def _lines(path):
         raise ValueError(f"{path}: cannot be unpacked: {error}") from None
 
 
-def _dof(path, number, value):
+def _motions(path, rows):
+    """6 for each body that the rows tell of."""
+    highest = max((_dof(path, number, k) for number, row in rows for k in row[1:3]), default=0)
+    return 6 * (highest // 6 + 1)
+
+
+def _dof(path, number, value, motions=6 * MOST_BODIES):
     """Index from 0 of a degree of freedom."""
-    if value != int(value) or not 1 <= value <= 6:
-        raise ValueError(
-            f"{path}: line {number} is about degree of freedom {value:g}; only 1 to 6, of one body, are read"
-        )
+    if value != int(value) or not 1 <= value <= motions:
+        raise ValueError(f"{path}: line {number} is about degree of freedom {value:g}, of 1 to {motions}")
     return int(value) - 1
 
 
-def _radiation(path, density, scale):
+def _radiation(path, rows, motions, density, scale):
     """(omega, added, damping, infinite) in SI."""
-    found, infinite = {}, np.full((6, 6), np.nan)
-    nothing = np.full((6, 6), np.nan)
+    nothing = np.full((motions, motions), np.nan)
+    found, infinite = {}, nothing.copy()
 
-    for number, (period, i, j, *values) in _rows(path, (4, 5)):
+    for number, (period, i, j, *values) in rows:
         i, j = _dof(path, number, i), _dof(path, number, j)
-        length = density * scale ** (3 + (i > 2) + (j > 2))
+        length = density * scale ** (3 + (i % 6 > 2) + (j % 6 > 2))
 
         # period 0 stands for omega = inf, -1 for omega = 0
         if period == 0.0:
@@ -86,7 +95,7 @@ def _radiation(path, density, scale):
             A[i, j], B[i, j] = length * values[0], length * omega * values[1]
 
     omega = np.array(sorted(found))
-    added, damping = (np.array([found[w][k] for w in omega]).reshape(-1, 6, 6) for k in (0, 1))
+    added, damping = (np.array([found[w][k] for w in omega]).reshape(-1, motions, motions) for k in (0, 1))
     given, at_infinity = np.isfinite(added), np.isfinite(infinite)
 
     if not at_infinity.any():
@@ -99,14 +108,14 @@ def _radiation(path, density, scale):
     return omega, np.nan_to_num(added), np.nan_to_num(damping), np.nan_to_num(infinite)
 
 
-def _excitation(path, density, gravity, scale):
+def _excitation(path, motions, density, gravity, scale):
     """(omega, headings, excitation) in SI."""
     found = {}
 
     for number, (period, heading, i, _, _, re, im) in _rows(path, (7,)):
-        i = _dof(path, number, i)
+        i = _dof(path, number, i, motions)
         if period > 0.0:
-            value = density * gravity * scale ** (2 + (i > 2)) * complex(re, im)
+            value = density * gravity * scale ** (2 + (i % 6 > 2)) * complex(re, im)
             found[2 * np.pi / period, heading, i] = value
 
     omega = np.array(sorted({key[0] for key in found}))
@@ -115,7 +124,7 @@ def _excitation(path, density, gravity, scale):
         raise ValueError(f"{path}: has no frequencies")
 
     degrees = sorted({key[1] for key in found})
-    excitation = np.zeros((len(omega), len(degrees), 6), complex)
+    excitation = np.zeros((len(omega), len(degrees), motions), complex)
     known = np.zeros(excitation.shape, bool)
 
     for (w, heading, i), value in found.items():
@@ -141,14 +150,14 @@ def write_wamit(path, coefficients, density, gravity):
         given |= coefficients.infinite != 0.0
         lines += [
             f"{0.0:15.8E} {i + 1} {j + 1} {coefficients.infinite[i, j] / density:15.8E}"
-            for i, j in np.ndindex(6, 6)
+            for i, j in np.ndindex(given.shape)
             if given[i, j]
         ]
 
     for omega, A, B in zip(coefficients.omega, coefficients.added / density, coefficients.damping / density):
         lines += [
             f"{2 * np.pi / omega:15.8E} {i + 1} {j + 1} {A[i, j]:15.8E} {B[i, j] / omega:15.8E}"
-            for i, j in np.ndindex(6, 6)
+            for i, j in np.ndindex(given.shape)
             if given[i, j]
         ]
 

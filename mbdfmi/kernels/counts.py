@@ -27,6 +27,8 @@ COUNTS = (
     "n_line",  # catenaries between two markers
     "n_radiation",  # memories of the waves that bodies make
     "n_memory",  # their states
+    "n_memory_row",  # of these, one for each body whose waves they are
+    "n_shared_water",  # pairs of bodies that move each other's water
     "n_sea",  # 1: waves that act or are told
     "n_sea_wave",  # components of the sea
     "n_excitation",  # what waves do to bodies

@@ -68,6 +68,11 @@ class States:
         """The model's real parameters of the run."""
         return self._start[0]
 
+    def given(self, prefix) -> dict[str, float]:
+        """Parameters of the run by name, of those whose names begin so."""
+        named = (v for v in self.model.of_causality("parameter") if v.name.startswith(prefix))
+        return {v.name: float(self.parameters[v.index]) for v in named}
+
     @property
     def y(self):
         """Outputs, after `at`."""

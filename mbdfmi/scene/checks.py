@@ -66,7 +66,7 @@ def cross_references(data):
     ]
     for name, joint, ends in joined:
         texts = _missing_shapes(joint, ends, shapes)
-        problems += [Problem(("joint", name, _key_of(ends)), text) for text in texts]
+        problems += [Problem(("joint", name, _key_of(joint)), text) for text in texts]
 
     # while a joint's ends are in doubt, so is what hangs on it
     if len(joined) == len(_entries(data, "joint")):
@@ -210,6 +210,8 @@ def _ends(entry):
     between, on = _get(entry, "between"), _get(entry, "on")
     if isinstance(on, str):
         between = [on]
+    elif isinstance(on, (list, tuple)) and _get(entry, "hydrodynamics") is not None:
+        between = on
     elif not isinstance(between, (list, tuple)) or len(between) != 2:
         return []
     if not all(isinstance(end, str) for end in between):
@@ -293,17 +295,36 @@ def _wrong_coupling(coupling, joints):
 def _misplaced(data, markers, joints):
     """Problems of joints, forces and measures whose ends are not where they could be."""
     return [
-        Problem((table, name, _key_of(ends)), text)
+        Problem((table, name, _key_of(entry)), text)
         for table in ("joint", "force", "measure")
         for name, entry in _entries(data, table).items()
         for ends in [_ends(entry)]
-        for text in _wrong_ends(table, ends, markers, joints, _get(entry, "member") is not None)
+        for text in (
+            _wrong_places(ends, markers, joints)
+            if _key_of(entry) == "on"
+            else _wrong_ends(table, ends, markers, joints, _get(entry, "member") is not None)
+        )
     ]
 
 
-def _key_of(ends):
-    """The key that ends are written with."""
-    return "between" if len(ends) == 2 else "on"
+def _key_of(entry):
+    """The key that its ends are written with."""
+    return "between" if _get(entry, "on") is None else "on"
+
+
+def _wrong_places(ends, markers, joints):
+    """Texts about the one end of a load, or the ends of forces of the sea on several bodies."""
+    wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
+    if wrong:
+        return wrong
+
+    bodies = [end[0] for end in ends]
+    frames = [body for body in bodies if body in FRAMES]
+    if frames:
+        return [f"{quoted(frames[0])} does not move by a load; name a body"]
+
+    twice = [body for k, body in enumerate(bodies) if body in bodies[:k]]
+    return [f"two of them are on {quoted(twice[0])}; each is a body of its own"] if twice else []
 
 
 def _wrong_ends(table, ends, markers, joints, within=False):
@@ -311,10 +332,6 @@ def _wrong_ends(table, ends, markers, joints, within=False):
     wrong = [text for end in ends if (text := _wrong_end(end, markers, joints))]
     if not ends or wrong:
         return wrong
-
-    if len(ends) == 1:
-        frame = ends[0][0]
-        return [f"{quoted(frame)} does not move by a load; name a body"] if frame in FRAMES else []
 
     first, second = (end[0] for end in ends)
     if within:

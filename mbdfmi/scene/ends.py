@@ -24,6 +24,17 @@ def _end(value):
     return ".".join(names)
 
 
+def _some(value):
+    """The ends of a value of `on`, each on a body of its own."""
+    if not isinstance(value, (list, tuple)):
+        return _end(value)
+
+    ends = tuple(_end(end) for end in value)
+    if not ends:
+        raise ValueError('needs an end, or a list of them, as in on = ["ship.waterline", "barge.waterline"]')
+    return ends if len(ends) > 1 else ends[0]
+
+
 def stands_still(end):
     """Whether an end is on no body: what acts there moves nothing."""
     return end.split(".")[0] in FRAMES
@@ -32,4 +43,6 @@ def stands_still(end):
 # One end, "body", "body.marker", "ground", "ground.marker", or "inertial"; two of them.
 End = Annotated[str, BeforeValidator(_end)]
 Between = Annotated[tuple[str, str], BeforeValidator(_between)]
+# one end, or, of several bodies, the list of theirs
+Ends = Annotated[str | tuple[str, ...], BeforeValidator(_some)]
 BETWEEN = 'the two ends, as in between = ["ground", "body.marker"]'

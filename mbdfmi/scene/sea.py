@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from ..files import csv_table
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, MEMBER_OUTPUTS, SEA_OUTPUTS
-from .ends import Between, End
+from .ends import Between, Ends
 from .errors import show
 from .fields import Boolean, NotNegative, Number, OneOf, Part, Positive, SomeOf, Vector, number, number_or
 from .meshes import MeshFile
@@ -160,49 +160,68 @@ class RadiationOptions(Part):
     file: DataName | None = None
 
 
+def _numbers(value):
+    """Numbers of different bodies, from 1."""
+    if not isinstance(value, (list, tuple)) or not value:
+        raise ValueError(f"needs a list of numbers of bodies, as in bodies = [2]; found {show(value)}")
+
+    for k, item in enumerate(value):
+        if number(item) != int(item) or item < 1:
+            raise ValueError(f"numbers of bodies are whole, from 1; found {show(item)}")
+        if item in value[:k]:
+            raise ValueError(f"body {show(item)} is listed twice")
+    return tuple(int(item) for item in value)
+
+
 class HydrodynamicsOptions(Part):
     """Coefficients over frequency from a file.
 
     file : WAMIT's NAME.1, with NAME.3 beside it (also NAME.3.gz); a dataset of capytaine (.nc) or a file of BEMIO (.h5), which want
-        pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. Of one body, at 4 frequencies or more; an
+        pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. At 4 frequencies or more; an
         element or a motion is given at all of them, or, as zero, at none. WAMIT's files begin with the period in s. Its lines of period 0
         (infinite frequency) in NAME.1 are read and not needed: without them added mass there follows from the rest. Those of period -1
         (frequency 0) are passed over. Of NAME.3 the real and imaginary parts count: force is Re((re + i im) amplitude exp(+i omega t)) for
         an elevation amplitude cos(omega t) at the origin of the coefficients, as WAMIT has it: a positive phase leads. Headings are the way
         waves travel.
+    bodies : numbers from 1 of the bodies of the file that the ends are of, in their order; left out, all. Others are as if held still.
     scale : m, the length that WAMIT's numbers are non-dimensional by (ULEN).
     radiation : how the memory of waves made is fitted, or false: none, added mass at infinite frequency alone.
     excitation : whether the sea's waves act.
     """
 
     file: DataName = Field(description='as in file = "barge.1"')
+    bodies: Annotated[tuple[int, ...], BeforeValidator(_numbers)] | None = None
     scale: Positive = 1.0
     radiation: number_or(Boolean, RadiationOptions) = True
     excitation: Boolean = True
 
 
 class Hydrodynamics(Part):
-    """hydrodynamics = { file, scale, radiation, excitation }, on : the end about whose origin the coefficients are.
+    """hydrodynamics = { file, bodies, scale, radiation, excitation }, on : the end about whose origin the coefficients are.
 
     Cummins' equation: added mass at infinite frequency (part of the body's inertia), memory of the waves that the body makes, and what
     those of the sea do to it where it starts. Axes are those of the inertial frame, whatever way the body turns (linear theory). Buoyancy
     is for `hydrostatics` or `linear` beside it, drag for `linear`.
 
+    Of a file of several bodies `on` is a list, an end for each. They feel the waves that the others make, and move their water; loads of
+    the sea are those at the places that the file has them at, whose origin is that of the inertial frame. Such scenes are of
+    `formulation` "embedding".
+
     output : force (N) and moment (N m) of radiation, without added mass, and of excitation about the end's origin, inertial axes; the
-        power of both on the body, W.
+        power of both on the body, W. Of several bodies each has its own: water.ship.radiation_force.
     """
 
     kind: ClassVar[str] = "hydrodynamics"
     input: ClassVar[tuple] = ()
 
     hydrodynamics: HydrodynamicsOptions
-    on: End = Field(description='the end about which the coefficients are, as in on = "body.waterline"')
+    on: Ends = Field(description='the end about which the coefficients are, as in on = "body.waterline"')
     output: SomeOf(*HYDRODYNAMICS_OUTPUTS) = ()
 
     @property
     def between(self):
-        """The one end."""
-        return (self.on,)
+        """The ends."""
+        return (self.on,) if isinstance(self.on, str) else self.on
 
 
 class MemberOptions(Part):

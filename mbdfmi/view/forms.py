@@ -145,12 +145,13 @@ def grid(points) -> Triangles:
 
 
 def rod(a, b, radius, around=10) -> Triangles:
-    """A round rod from a to b (3,), with round ends."""
+    """A round rod from a to b (3,), with round ends: a ball where they are one."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     length = np.linalg.norm(b - a)
     lower, upper = _arc(radius, -np.pi / 2, 0, -length / 2, 3), _arc(radius, 0, np.pi / 2, length / 2, 3)
     surface = revolved([tuple(np.concatenate(pair) for pair in zip(lower, upper))], around)
-    return moved(surface, (a + b) / 2, axes_with_z((b - a) / length))
+    axes = axes_with_z((b - a) / length) if length > 0.0 else np.eye(3)
+    return moved(surface, (a + b) / 2, axes)
 
 
 def polyline(points, radius, around=6) -> Triangles:

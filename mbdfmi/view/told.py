@@ -42,7 +42,7 @@ def told(picture, results=None, notes=()):
         "grid": grid_cell(radius) if view.ground == "grid" else None,
         "floor": ground,
         "water": view.water,
-        "waves": waves(scene) if run and view.water == 0.0 else None,
+        "waves": waves(scene, picture.states) if run and view.water == 0.0 else None,
         "centre": (root @ centre).tolist(),
         "radius": radius,
         "eye": (root @ eye(picture)).tolist(),
@@ -54,15 +54,16 @@ def told(picture, results=None, notes=()):
     }
 
 
-def waves(scene):
-    """The strongest of the sea's components, None without waves.
+def waves(scene, states=None):
+    """The strongest of the sea's components, None without waves; states: of a run, which may have had another
+    sea than the scene's.
 
     Of each amplitude (m), frequency (rad/s), phase (rad), wave numbers along x and y (rad/m).
     """
     if not (scene.sea and scene.sea.waves) or scene.ground.motion:
         return None
 
-    found = sea_components(scene)
+    found = sea_components(scene, states.given("sea.") if states is not None else None)
     k = wave_number(found.omega, scene.sea.depth, -scene.gravity[2])
     along = [k * np.cos(found.heading), k * np.sin(found.heading)]
     rows = np.column_stack([found.amplitude, found.omega, found.phase, *along])

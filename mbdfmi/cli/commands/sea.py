@@ -12,12 +12,13 @@ def add(commands):
         commands,
         run,
         "sea",
-        "tell and write the waves of a scene",
+        "tell, draw and write the waves of a scene",
         """The components that the scene's [sea] is made of, drawn or read: significant height and periods by
 the moments of their spectrum. Written as components, another tool can sail the same sea, and so can
 another scene: waves = { components = { file = "sea.csv" } }.""",
         """examples:
   mbdfmi sea turbine.toml
+  mbdfmi sea turbine.toml --plot sea.png
   mbdfmi sea turbine.toml --components sea.csv
   mbdfmi sea turbine.toml --series elevation.csv --until 3600 --step 0.25""",
     )
@@ -28,6 +29,9 @@ another scene: waves = { components = { file = "sea.csv" } }.""",
     command.add_argument(
         "--series", metavar="FILE", help="write the elevation at the origin over time as CSV"
     )
+    command.add_argument(
+        "--plot", metavar="FILE", help="draw spectrum, directions and elevation: png, svg or pdf"
+    )
     command.add_argument("--until", type=float, default=600.0, metavar="S", help="(default: 600)")
     command.add_argument("--step", type=float, default=0.1, metavar="S", help="(default: 0.1)")
 
@@ -37,14 +41,19 @@ def run(options):
     import numpy as np
 
     from ...compiler.hydrodynamics import sea_components
+    from ...hydro.sea_picture import draw_sea
+    from ...run.results import Results
 
-    names = {key: getattr(options, key) for key in ("components", "series")}
+    names = {key: getattr(options, key) for key in ("components", "series", "plot")}
     files = {key: writable(name, [options.scene]) for key, name in names.items() if name}
 
     if not 0.0 < options.step <= options.until:
         raise ValueError(
             f"--until {options.until:g} --step {options.step:g}: needs a step of at most the time"
         )
+
+    if "plot" in files:
+        Results.check_plot(files["plot"])
 
     scene = load_scene(options.scene)
 
@@ -64,6 +73,12 @@ def run(options):
         time = options.step * np.arange(int(options.until / options.step + 1e-9) + 1)
         elevation = sum(a * np.cos(w * time + e) for w, a, e, _ in zip(*waves))
         _write(files["series"], "time,elevation", np.column_stack([time, elevation]))
+
+    if "plot" in files:
+        drawn = scene.sea.waves.jonswap or scene.sea.waves.pierson_moskowitz
+        spectrum = (drawn.hs, drawn.tp, getattr(drawn, "gamma", 1.0)) if drawn else None
+        title = f"the sea of {scene.title or scene.name}"
+        out.print(str(draw_sea(files["plot"], waves, spectrum, title)), soft_wrap=True)
 
 
 def _tell(waves):

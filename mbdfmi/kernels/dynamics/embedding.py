@@ -8,6 +8,7 @@ import math
 
 
 from .. import joints
+from ..forces import shared_water
 from ..joints import passing, rotors, virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
@@ -62,6 +63,9 @@ def crba(m, d, mass_matrix):
 
     for k in range(m.n_rotor):
         add_rotor(m, d, mass_matrix, m.rotor_body[k])
+
+    if m.n_shared_water > 0:
+        shared_water.add_to_mass_matrix(m, d, mass_matrix)
 
     if d.weighs[0] > 0.0:
         for i in range(1, m.n_body):

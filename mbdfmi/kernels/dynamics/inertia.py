@@ -4,7 +4,7 @@ Legend: I, H, M blocks of a 6x6 inertia: moment = I alpha + H rdd, force = H^T a
 articulated (ABA) or composite (CRBA). For a rigid body H = h x, M = m 1. S motion subspace, U = I_a S, D = S^T U.
 """
 
-from ..forces import added_mass
+from ..forces import added_mass, shared_water
 from ..joints import rotors, virtual
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
@@ -116,7 +116,7 @@ def kinetic_energy(m, d):
     for k in range(m.n_rotor):
         energy += rotors.energy(m, d, m.rotor_body[k])
 
-    return energy
+    return energy + shared_water.energy(m, d)
 
 
 @kernel
@@ -148,6 +148,11 @@ def total_momentum(m, d):
             r = al.vec3(d.r, m.marker_body[m.six_by_six_to[k]])
             angular = al.sub(angular, al.add(L, al.cross(r, p)))
             linear = al.sub(linear, p)
+
+    for k in range(m.n_shared_water):
+        L, p = shared_water.momentum(m, d, k)
+        angular = al.add(angular, L)
+        linear = al.add(linear, p)
 
     for k in range(m.n_rotor):
         angular = al.add(angular, rotors.momentum(m, d, m.rotor_body[k]))

@@ -1,7 +1,7 @@
 """Inverse dynamics: what passes through the joints, and their efforts (RNEA; docs/theory.md 6.1)."""
 
 from .. import joints
-from ..forces import added_mass
+from ..forces import added_mass, shared_water
 from ..joints import passing, rotors
 from ..language import apart, kernel
 from ..math import algebra as al
@@ -17,6 +17,9 @@ def joint_wrenches(m, d):
     What the accelerations alpha and rdd of all bodies need beside the applied wrenches; needs inertias.
     """
     added_mass.add_reactions(m, d)
+
+    if m.n_shared_water > 0:
+        shared_water.add_needs(m, d)
 
     for i in range(1, m.n_body):
         alpha = al.vec3(d.alpha, i)

@@ -2,6 +2,7 @@
 
 x' = A x + B V, force on the body = -C x, V = (v_P, omega) of its marker P in inertial axes. A stands in pairs (sigma, omega) and
 single poles: x_j' = sigma_j x_j + omega_j x_mate + B_j . V, omega of the two of a pair being of opposite sign and 0 of a single one.
+Bodies that feel each other's waves share their states, each with rows of B and C of its own, and stand one after the other.
 The states follow the angles outside the tree in z.
 """
 
@@ -33,6 +34,12 @@ def row_times(p, j, v, w):
 
 
 @inlined
+def is_first(m, k):
+    """Whether element k is the first of those that share its states."""
+    return k == 0 or m.radiation_memory[k - 1] != m.radiation_memory[k]
+
+
+@inlined
 def state_rates(m, d):
     """x' of all of them into d.z_rate; needs kinematics."""
     z = first(m)
@@ -42,10 +49,17 @@ def state_rates(m, d):
         v = markers.velocity(m, d, b)
         w = markers.angular_velocity(m, d, b)
         begin = m.radiation_memory[k]
+        row = m.radiation_row[k] - begin
+        leads = is_first(m, k)
 
         for j in range(begin, begin + m.radiation_memories[k]):
-            own = m.memory_pole[2 * j] * d.z[z + j] + m.memory_pole[2 * j + 1] * d.z[z + m.memory_mate[j]]
-            d.z_rate[z + j] = own + row_times(m.memory_from, j, v, w)
+            driven = row_times(m.memory_from, row + j, v, w)
+
+            if leads:
+                own = m.memory_pole[2 * j] * d.z[z + j] + m.memory_pole[2 * j + 1] * d.z[z + m.memory_mate[j]]
+                d.z_rate[z + j] = own + driven
+            else:
+                d.z_rate[z + j] += driven
 
 
 @inlined
@@ -55,11 +69,12 @@ def wrench(m, d, k):
     force = al.ZERO3
     moment = al.ZERO3
     begin = m.radiation_memory[k]
+    row = m.radiation_row[k] - begin
 
     for j in range(begin, begin + m.radiation_memories[k]):
         x = -d.z[z + j]
-        force = al.axpy(x, al.vec3(m.memory_to, 2 * j), force)
-        moment = al.axpy(x, al.vec3(m.memory_to, 2 * j + 1), moment)
+        force = al.axpy(x, al.vec3(m.memory_to, 2 * (row + j)), force)
+        moment = al.axpy(x, al.vec3(m.memory_to, 2 * (row + j) + 1), moment)
 
     return moment, force
 

@@ -26,6 +26,9 @@ def add(seed, mechanism, forces, gravity):
         water.fill(Dice(seed, 7), mechanism, forces, gravity)
         water.wave(Dice(seed, 11), mechanism, forces, gravity)
 
+    if "the radiation" in forces and Dice(seed, 17).chance(0.5):
+        forces["the radiation"]["hydrodynamics"]["bodies"] = [1.0]
+
     if mechanism.taste["sea"] or Dice(seed, 12).chance(0.07):
         water.blow(Dice(seed, 13), mechanism, forces, gravity)
 
