@@ -7,6 +7,7 @@ from test_contacts import CURVES, EGG, FORMULATIONS, SOLVER, SURFACES, columns, 
 from benchmarks.problem_files import problem_file
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.kernels.end_frames import touching
 from mbdfmi.run.instance import Instance, SimulationError
 from mbdfmi.run.simulate import simulate
 from mbdfmi.scene import SceneError
@@ -356,6 +357,16 @@ def test_given_position_is_kept_and_the_parameter_found():
     x = Instance(compile_scene(scene)).d.x
     np.testing.assert_allclose(x[:3], (0, -0.7, 0), atol=1e-13)
     np.testing.assert_allclose(x[6], 1.5 * np.pi * 0.7, rtol=1e-13)
+
+
+def test_a_parameter_that_is_found_is_not_searched_for(monkeypatch):
+    """Newton's method ends at rounding, which is that of the parameter's size: here of 3.3 m."""
+    marker = {"curve": CURVES["circle"]}
+    instance = Instance(compile_scene(particle("point_on_curve", marker, start=3.3)))
+    asked, newton = [], touching.newton
+    monkeypatch.setattr(touching, "newton", lambda *found: asked.append(1) or newton(*found))
+    touching.find(instance.m, instance.d, 0)
+    assert len(asked) <= 3
 
 
 def test_contact_out_of_reach():

@@ -10,9 +10,10 @@ from test_integrate import instance_of
 from benchmarks import choice
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.kernels.dynamics.projection import keep_x
 from mbdfmi.kernels.dynamics.rates import evaluate, evaluate_now, store_rate
 from mbdfmi.kernels.math import linear
-from mbdfmi.kernels.steppers import control
+from mbdfmi.kernels.steppers import control, radau
 from mbdfmi.kernels.steppers.jacobian import INCREMENT, find_jacobian
 from mbdfmi.steppers import STEPPERS
 
@@ -155,6 +156,19 @@ def test_the_jacobian_is_that_of_central_differences():
         wanted[:, k] = (rates[0] - rates[1]) / 2e-5
 
     assert found == pytest.approx(wanted, abs=1e-5 * np.abs(wanted).max())
+
+
+def test_a_jacobian_found_ahead_leaves_the_weights_of_the_step():
+    """Errors are weighed by the state that the step begins at, with the tolerance of an estimate of order 3."""
+    instance = instance_of(bars(2, solver=STIFF))
+    m, d = instance.m, instance.d
+    instance.step(1e-4)
+    keep_x(m, d)
+    radau.weigh(m, d)
+    weights = d.x_scale.copy()
+    d.dense[2 * m.n_x : 3 * m.n_x] = 0.2
+    assert radau.find_jacobian_ahead(m, d, 0.0, 1e-3) == 0
+    np.testing.assert_array_equal(d.x_scale, weights)
 
 
 # snapshots

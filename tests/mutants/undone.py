@@ -265,7 +265,7 @@ UNDONE = [
     ),
     Undone(
         11, "added mass that follows the heading has no gyroscopic terms", "kernels/forces/added_mass.py",
-        "    if m.six_by_six_axes[k] == HEADING:\n        z, yaw", "    if False:\n        z, yaw",
+        "    if m.six_by_six_axes[k] == HEADING:\n        L, momentum", "    if False:\n        L, momentum",
         "tests/test_added_mass.py",
     ),
     Undone(

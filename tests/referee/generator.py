@@ -27,7 +27,7 @@ LOOPS = {
     "translation": 1, "screw": 1.2, "fixed": 0.8, "free": 0.3, "point_on_plane": 1, "point_on_line": 1,
     "distance": 1.2, "rolling_sphere": 1, "rolling_disk": 1.8, "knife_edge": 1, "point_on_curve": 2,
     "constant_velocity": 1, "angle": 1,
-    "curve_on_curve": 2.3, "point_on_surface": 3.8, "frame_on_curve": 1.5, "frame_on_surface": 1.5,
+    "curve_on_curve": 2.3, "point_on_surface": 3.8, "frame_on_curve": 1.5, "frame_on_surface": 2.3,
 }  # fmt: skip
 # kinds of trees: what they are mostly of
 FAMILIES = {
@@ -49,7 +49,7 @@ RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 SELDOM = {
     "constant_velocity": 4.0,
     "frame_on_curve": 3.0,
-    "frame_on_surface": 3.5,
+    "frame_on_surface": 6.0,
     "curve_on_curve": 2.5,
     "rolling_sphere": 2.0,
 }
@@ -57,8 +57,8 @@ SELDOM = {
 # small scenes rich in one feature each
 FOCUS = {
     "couplings": {
-        "size": 4,
-        "couplings": (2, 4),
+        "size": 5,
+        "couplings": (3, 4),
         "wheel": 0.6,
         "loops": (0, 0),
         "fast": 0.7,
@@ -70,7 +70,7 @@ FOCUS = {
     "tables": {
         "spring": 0.5,
         "damper": 0.5,
-        "size": 4,
+        "size": 6,
         "driver": 0.95,
         "family": "slides",
         "forces": (1, 3),
@@ -101,7 +101,7 @@ FOCUS = {
         "grounds": {"input": 3, "table": 1},
     },
     "drivers": {
-        "size": 4,
+        "size": 5,
         "driver": 0.95,
         "family": "slides",
         "drivers": motions.WAYS
@@ -115,7 +115,7 @@ FOCUS = {
             "ramp": 2.2,
         },
     },
-    "friction": {"friction": 0.8},
+    "friction": {"friction": 0.8, "central": 0.9},
     "massless": {"bodies": {"massless": 3, "point": 2, "rod": 2, "inertia": 3}, "loops": (0, 2)},
     "added mass": {"family": "loose", "forces": (1, 3), "force kinds": {"linear": 1}, "added mass": 0.9},
     "outputs": {

@@ -59,14 +59,16 @@ def read_pivots(m, d, p):
 
 
 @inlined
-def add_row_size(m, d, row, r, i):
-    """What the wrench on its way past joint i could move there if it met the axis, to row_size. r : m, where its force acts."""
+def size_in_joint(m, d, r, i):
+    """What the wrench on its way past joint i could move there if it met the axis. r : m, where its force acts."""
     kind = m.body_joint[i]
 
-    if d.held[i] == 0.0 and joints.is_one_axis(kind):
-        lever = al.sub(r, al.vec3(d.r, i))
-        effort = joints.largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
-        d.row_size[row] += effort * (1.0 / d.D[6 * i])
+    if d.held[i] > 0.0 or not joints.is_one_axis(kind):
+        return 0.0
+
+    lever = al.sub(r, al.vec3(d.r, i))
+    effort = joints.largest_effort(kind, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i), lever)
+    return effort * (1.0 / d.D[6 * i])
 
 
 @apart(void(MODEL, DATA, boolean))
@@ -81,11 +83,14 @@ def respond_to_rows(m, d, everything):
         body_a = m.marker_body[m.constraint_from[c]]
         body_b = m.marker_body[m.constraint_to[c]]
         r = markers.position(m, d, m.constraint_to[c])
-        d.constraint_noise[c] = 0.0
+        noise = 0.0
 
+        # what the wrenches of a row's two sides could do if they, which cancel below a loop, did not
         for step in range(first, end):
-            turning, sliding = joints.pivots(m, d, m.path_node[step])
-            d.constraint_noise[c] += multipliers.noise(m, d, m.path_node[step], r, turning, sliding)
+            i = m.path_node[step]
+            noise += joints.compliance(m, d, i, multipliers.arm_square(d, i, r))
+
+        d.constraint_noise[c] = noise
 
         for k in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + k
@@ -94,7 +99,7 @@ def respond_to_rows(m, d, everything):
             if multipliers.is_idle(d, row, everything):
                 continue
 
-            d.row_size[row] = 0.0
+            size = 0.0
             al.set_vec3(d.passed_moment, 0, al.ZERO3)
             al.set_vec3(d.passed_force, 0, al.ZERO3)
 
@@ -117,8 +122,10 @@ def respond_to_rows(m, d, everything):
 
             for step in range(end - 1, first - 1, -1):
                 i = m.path_node[step]
-                add_row_size(m, d, row, r, i)
+                size += size_in_joint(m, d, r, i)
                 joints.pass_wrench(m, d, d.response, i, at + m.path_at[step], rows.effort_on(m, row, i))
+
+            d.row_size[row] = size
 
 
 @kernel

@@ -353,7 +353,7 @@ def least_pivot(m, d, v, n):
 
 @inlined
 def pivots(m, d, i):
-    """As `constraints.pivots`, of the joint-space inertia."""
+    """(kg m2, kg) least pivots of the joint-space inertia about joint i, of turning and of sliding; infinite where it does neither."""
     kind = m.body_joint[i]
     v = m.body_v[i]
 
@@ -379,7 +379,8 @@ def respond_to_rows(m, d, everything):
 
         for step in range(m.constraint_path[c], m.constraint_path[c] + m.constraint_paths[c]):
             turning, sliding = pivots(m, d, m.path_node[step])
-            d.constraint_noise[c] += multipliers.noise(m, d, m.path_node[step], r, turning, sliding)
+            square = multipliers.arm_square(d, m.path_node[step], r)
+            d.constraint_noise[c] += (1.0 + square) * (1.0 / turning) + 1.0 / sliding
 
     for row in range(m.n_row):
         c = m.row_constraint[row]

@@ -61,7 +61,8 @@ def inertias(m, d):
             al.set_mat3(d.H, i, al.skew(h))
             al.set_sym3(d.M, i, (mass, mass, mass, 0.0, 0.0, 0.0))
 
-    added_mass.add(m, d)
+    if m.n_six_by_six > 0:
+        added_mass.add(m, d)
 
     for k in range(m.n_rotor):
         host = rotors.host(m, m.rotor_body[k])

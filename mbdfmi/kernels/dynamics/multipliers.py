@@ -48,11 +48,10 @@ CANDIDATE = 2.0
 
 
 @inlined
-def noise(m, d, i, r, turning, sliding):
-    """What a row's unit force at r, or unit moment, could do in joint i of these least pivots if the wrenches of its two sides,
-    which cancel below a loop, did not: rounding leaves a part of that."""
+def arm_square(d, i, r):
+    """Square (m2) of the arm from body i's origin to r."""
     arm = al.sub(r, al.vec3(d.r, i))
-    return (1.0 + al.dot(arm, arm)) * (1.0 / turning) + 1.0 / sliding
+    return al.dot(arm, arm)
 
 
 @inlined
@@ -137,7 +136,13 @@ def drop_share(d):
 
 @inlined
 def row_reference(m, d, row):
-    """What a row's pivot is to be judged by.
+    """What a row's pivot is to be judged by."""
+    return reference(d, row, largest_of_kind(m, d, row))
+
+
+@inlined
+def reference(d, row, largest):
+    """`row_reference` by the `largest_of_kind`.
 
     Its own diagonal element, unless its wrenches miss the axes of joints that they could meet: then what they could do there, but
     not more than the largest of its kind in the same constraint does; that too where loops repeat themselves not quite exactly.
@@ -145,7 +150,7 @@ def row_reference(m, d, row):
     if d.loose[0] > 0.0:
         return max(d.row_diagonal[row], d.row_size[row])
 
-    return min(largest_of_kind(m, d, row), max(d.row_diagonal[row], d.row_size[row]))
+    return min(largest, max(d.row_diagonal[row], d.row_size[row]))
 
 
 @inlined
@@ -268,9 +273,12 @@ def factor_rows(m, d, positional):
     if d.damping[0] > 0.0:
         raise_diagonal(m, d)
 
-    d.least_share[0] = 1.0
+    least_share = 1.0
 
     for c in range(m.n_constraint):
+        kind = -1
+        largest = 0.0
+
         for i in range(m.constraint_rows[c]):
             row = m.constraint_row[c] + i
             d.pivot[row] = 0.0
@@ -285,13 +293,20 @@ def factor_rows(m, d, positional):
 
             least_felt = max(NOISE * d.row_size[row], CANCELLED * d.constraint_noise[c])
 
-            reference = row_reference(m, d, row)
+            # of rows of one kind, which stand side by side, it is the same
+            if m.row_kind[row] != kind:
+                kind = m.row_kind[row]
+                largest = largest_of_kind(m, d, row)
 
-            if pivot > adds * reference and pivot > least_felt:
+            size = reference(d, row, largest)
+
+            if pivot > adds * size and pivot > least_felt:
                 d.pivot[row] = 1.0 / pivot
-                d.least_share[0] = min(d.least_share[0], pivot / reference)
+                least_share = min(least_share, pivot / size)
             else:
-                d.least_share[0] = 0.0
+                least_share = 0.0
+
+    d.least_share[0] = least_share
 
 
 @inlined

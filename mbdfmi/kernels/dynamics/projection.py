@@ -252,7 +252,9 @@ def project(m, d):
 
     `d.now` is the end of that step: every method evaluates its last stage there.
     """
-    drives.prescribe(m, d)
+    if m.n_drive > 0:
+        drives.prescribe(m, d)
+
     unit_E(m, d)
     failure = OK
 

@@ -21,10 +21,12 @@ def set_time(m, d, s):
             d.input[k] = commands.polynomial(m, d, k, s)
 
 
-@apart(int64(MODEL, DATA))
-def evaluate_now(m, d):
+@inlined
+def find_rates(m, d):
     """x' into d.x_rate for d.x, the time and the inputs now. Returns a status."""
-    drives.prescribe(m, d)
+    if m.n_drive > 0:
+        drives.prescribe(m, d)
+
     kinematics.kinematics(m, d)
     inertia.inertias(m, d)
     forces.apply(m, d)
@@ -32,18 +34,26 @@ def evaluate_now(m, d):
     for i in range(1, m.n_body):
         joints.position_rates(m, d, i)
 
-    touching.parameter_rates(m, d)
+    if m.n_end_frame > 0:
+        touching.parameter_rates(m, d)
+
     coordinates.turn_rates(m, d)
     forces.radiation.state_rates(m, d)
     d.evaluations[0] += 1.0
     return forward.accelerate(m, d)
 
 
+@apart(int64(MODEL, DATA))
+def evaluate_now(m, d):
+    """`find_rates` for steps of others' integrators."""
+    return find_rates(m, d)
+
+
 @apart(int64(MODEL, DATA, float64))
 def evaluate(m, d, s):
-    """The same at time s of the communication step."""
+    """The same at time s (s) of the communication step."""
     set_time(m, d, s)
-    return evaluate_now(m, d)
+    return find_rates(m, d)
 
 
 @inlined

@@ -9,13 +9,16 @@ of the first body that is where the second's is (docs/theory.md 9.1).
 """
 
 import math
-
+from typing import NamedTuple
 
 from ..end_frames import frames, touching
 from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import coordinates, drives, markers
-from ..signatures import DATA, MODEL, void
+from ..signatures import DATA, MODEL, int64, void
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
 
 POINT = 0  # d stays normal to axis i of a
 DOT = 1  # the cosine of the angle from axis i of a to axis j of b stays value: 0, normal to each other
@@ -308,107 +311,186 @@ def write_frame(m, d, c, row, A_b, w_b, p):
             aim_parallel(d, at, turn, e_a, axis_of(E, j))
 
 
+class Pair(NamedTuple):
+    """The two markers of a constraint, vectors in O. A_a, A_b: axes; w_a, w_b: angular velocities; span: d; P, p: levers; r_b, v_b:
+    position and velocity of the second; seen: of that, as seen; swing: its acceleration as seen at zero accelerations, but for Coriolis'.
+    """
+
+    A_a: Matrix
+    A_b: Matrix
+    w_a: Vector
+    w_b: Vector
+    span: Vector
+    P: Vector
+    p: Vector
+    r_b: Vector
+    v_b: Vector
+    seen: Vector
+    swing: Vector
+
+
+@inlined
+def pair_of(m, d, c):
+    """The markers of constraint c (Pair); needs kinematics."""
+    a = m.constraint_from[c]
+    b = m.constraint_to[c]
+    body_a = m.marker_body[a]
+    body_b = m.marker_body[b]
+    w_a = al.vec3(d.w, body_a)
+    w_b = al.vec3(d.w, body_b)
+    r_b = markers.position(m, d, b)
+    span = al.sub(r_b, markers.position(m, d, a))
+    P = al.sub(r_b, al.vec3(d.r, body_a))
+    p = al.sub(r_b, al.vec3(d.r, body_b))
+    v_b = markers.velocity(m, d, b)
+    seen = al.sub(v_b, markers.point_velocity(m, d, body_a, r_b))
+    swing = al.sub(centripetal(w_b, p), centripetal(w_a, P))
+    return Pair(markers.axes(m, d, a), markers.axes(m, d, b), w_a, w_b, span, P, p, r_b, v_b, seen, swing)
+
+
+@apart(void(MODEL, DATA, int64))
+def aim_row(m, d, row):
+    """While assembling, a row of axes that are more than 90 deg apart aims at what is left to turn; needs kinematics."""
+    c = m.row_constraint[row]
+    A_a = markers.axes(m, d, m.constraint_from[c])
+    turn = turn_left(m.row_parallel[row], A_a, markers.axes(m, d, m.constraint_to[c]))
+
+    if al.dot(turn, turn) > 0.0:
+        aim_parallel(d, row, turn, axis_of(A_a, m.row_i[row]), axis_of(A_a, m.row_j[row]))
+
+
+@inlined
+def write_point(d, row, i, pair):
+    """A row of kind POINT."""
+    u = axis_of(pair.A_a, i)
+    set_push(d, row, u, pair.P, pair.p)
+    bias = al.dot(u, al.sub(pair.swing, al.scale(2.0, al.cross(pair.w_a, pair.seen))))
+    set_residuals(d, row, al.dot(u, pair.span), al.dot(u, pair.seen), bias)
+
+
+@inlined
+def write_dot(m, d, row, i, j, pair):
+    """A row of kind DOT."""
+    e_a = axis_of(pair.A_a, i)
+    e_b = axis_of(pair.A_b, j)
+    e_a_rate = al.cross(pair.w_a, e_a)
+    e_b_rate = al.cross(pair.w_b, e_b)
+    n = al.cross(e_b, e_a)
+    w = al.sub(pair.w_b, pair.w_a)
+    n_rate = al.add(al.cross(e_b_rate, e_a), al.cross(e_b, e_a_rate))
+    set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
+    set_residuals(d, row, al.dot(e_a, e_b) - m.row_value[row], al.dot(w, n), al.dot(w, n_rate))
+
+    if d.assembling[0] > 0.0 and m.row_parallel[row] > 0:
+        aim_row(m, d, row)
+
+
+@inlined
+def has_hinge_rows_alone(m, c):
+    """Whether all rows of constraint c are of the two kinds that pins, ball joints and their like are made of."""
+    for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+        if m.row_kind[row] != POINT and m.row_kind[row] != DOT:
+            return False
+
+    return True
+
+
+@apart(void(MODEL, DATA, int64))
+def write_rows_of(m, d, c):
+    """All rows of constraint c, of whatever kind."""
+    pair = pair_of(m, d, c)
+    a = m.constraint_from[c]
+    body_a = m.marker_body[a]
+    body_b = m.marker_body[m.constraint_to[c]]
+    w_a = pair.w_a
+    w_b = pair.w_b
+    v_b = pair.v_b
+
+    for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
+        kind = m.row_kind[row]
+        i = m.row_i[row]
+        j = m.row_j[row]
+
+        if kind == POINT:
+            write_point(d, row, i, pair)
+
+        elif kind == DOT:
+            write_dot(m, d, row, i, j, pair)
+
+        elif kind == TWIST:
+            write_twist(d, row, pair.A_a, pair.A_b, w_a, w_b)
+
+        elif kind == DISTANCE:
+            length = m.row_value[row]
+            u = al.scale(1.0 / length, pair.span)
+            v = al.sub(v_b, markers.velocity(m, d, a))
+            lever = markers.arm(m, d, a)
+            set_push(d, row, u, lever, pair.p)
+            gap = 0.5 * (al.dot(pair.span, pair.span) / length - length) if d.row_settles[row] == 0.0 else 0.0
+            bias = al.dot(v, v) / length
+            bias += al.dot(u, al.sub(centripetal(w_b, pair.p), centripetal(w_a, lever)))
+            set_residuals(d, row, gap, al.dot(u, v), bias)
+
+        elif kind == KNIFE:
+            u = axis_of(pair.A_b, j)
+            swept = al.cross(w_a, al.sub(v_b, al.vec3(d.rd, body_a)))
+            bias = al.dot(u, al.sub(centripetal(w_b, pair.p), swept))
+            bias += al.dot(al.cross(w_b, u), pair.seen)
+            set_push(d, row, u, pair.P, pair.p)
+            set_residuals(d, row, 0.0, al.dot(u, pair.seen), bias)
+
+        elif kind == COUPLING:
+            write_coupling(m, d, row)
+
+        elif kind == FRAME:
+            if i == 0:
+                write_frame(m, d, c, row, pair.A_b, w_b, pair.p)
+
+        elif kind == CONTACT or kind == SLIP:
+            u, r_c, gap, rate, bias = touching.row(m, d, j, i)
+            set_push(d, row, u, al.sub(r_c, al.vec3(d.r, body_a)), al.sub(r_c, al.vec3(d.r, body_b)))
+            set_residuals(d, row, gap, rate, bias)
+
+            if d.aim[j] > 0.0:
+                couple = touching.aiming_couple(m, d, j, u)
+                al.add_vec3(d.row_moment_from, row, al.neg(couple))
+                al.add_vec3(d.row_moment_to, row, couple)
+
+        else:
+            u = axis_of(pair.A_a, i)
+            radius = d.row_side[row] * m.row_value[row]
+            to_contact, to_contact_rate = rolling_contact(kind, radius, pair.A_a, w_a, pair.A_b, w_b)
+            r_c = al.add(pair.r_b, to_contact)
+            v_c = al.add(v_b, to_contact_rate)
+            slip = al.sub(
+                markers.point_velocity(m, d, body_b, r_c), markers.point_velocity(m, d, body_a, r_c)
+            )
+            bias = al.sub(
+                al.cross(w_b, al.sub(v_c, al.vec3(d.rd, body_b))),
+                al.cross(w_a, al.sub(v_c, al.vec3(d.rd, body_a))),
+            )
+            gap = al.dot(u, al.add(pair.span, to_contact)) if i == 2 else 0.0
+            set_push(d, row, u, al.add(pair.P, to_contact), al.add(pair.p, to_contact))
+            set_residuals(d, row, gap, al.dot(u, slip), al.dot(u, bias) + al.dot(al.cross(w_a, u), slip))
+
+
 @apart(void(MODEL, DATA))
 def write_rows(m, d):
-    """All rows' wrenches and residuals; needs kinematics."""
+    """All rows' wrenches and residuals; needs kinematics.
+
+    Hinges, which close most loops, stand here: among all kinds in one function they would take half as long again.
+    """
     touching.find_ways(m, d)
 
     for c in range(m.n_constraint):
-        a = m.constraint_from[c]
-        b = m.constraint_to[c]
-        body_a = m.marker_body[a]
-        body_b = m.marker_body[b]
-        A_a = markers.axes(m, d, a)
-        A_b = markers.axes(m, d, b)
-        w_a = al.vec3(d.w, body_a)
-        w_b = al.vec3(d.w, body_b)
-        r_b = markers.position(m, d, b)
-        span = al.sub(r_b, markers.position(m, d, a))
-        P = al.sub(r_b, al.vec3(d.r, body_a))
-        p = al.sub(r_b, al.vec3(d.r, body_b))
-        v_b = markers.velocity(m, d, b)
-        seen = al.sub(v_b, markers.point_velocity(m, d, body_a, r_b))
-        swing = al.sub(centripetal(w_b, p), centripetal(w_a, P))
+        if not has_hinge_rows_alone(m, c):
+            write_rows_of(m, d, c)
+            continue
+
+        pair = pair_of(m, d, c)
 
         for row in range(m.constraint_row[c], m.constraint_row[c] + m.constraint_rows[c]):
-            kind = m.row_kind[row]
-            i = m.row_i[row]
-            j = m.row_j[row]
-
-            if kind == POINT:
-                u = axis_of(A_a, i)
-                set_push(d, row, u, P, p)
-                bias = al.dot(u, al.sub(swing, al.scale(2.0, al.cross(w_a, seen))))
-                set_residuals(d, row, al.dot(u, span), al.dot(u, seen), bias)
-
-            elif kind == DOT:
-                e_a = axis_of(A_a, i)
-                e_b = axis_of(A_b, j)
-                e_a_rate = al.cross(w_a, e_a)
-                e_b_rate = al.cross(w_b, e_b)
-                n = al.cross(e_b, e_a)
-                w = al.sub(w_b, w_a)
-                n_rate = al.add(al.cross(e_b_rate, e_a), al.cross(e_b, e_a_rate))
-                set_row(d, row, al.neg(n), al.ZERO3, n, al.ZERO3)
-                set_residuals(d, row, al.dot(e_a, e_b) - m.row_value[row], al.dot(w, n), al.dot(w, n_rate))
-
-                if d.assembling[0] > 0.0 and m.row_parallel[row] > 0:
-                    turn = turn_left(m.row_parallel[row], A_a, A_b)
-
-                    if al.dot(turn, turn) > 0.0:
-                        aim_parallel(d, row, turn, e_a, axis_of(A_a, j))
-
-            elif kind == TWIST:
-                write_twist(d, row, A_a, A_b, w_a, w_b)
-
-            elif kind == DISTANCE:
-                length = m.row_value[row]
-                u = al.scale(1.0 / length, span)
-                v = al.sub(v_b, markers.velocity(m, d, a))
-                lever = markers.arm(m, d, a)
-                set_push(d, row, u, lever, p)
-                gap = 0.5 * (al.dot(span, span) / length - length) if d.row_settles[row] == 0.0 else 0.0
-                bias = al.dot(v, v) / length
-                bias += al.dot(u, al.sub(centripetal(w_b, p), centripetal(w_a, lever)))
-                set_residuals(d, row, gap, al.dot(u, v), bias)
-
-            elif kind == KNIFE:
-                u = axis_of(A_b, j)
-                swept = al.cross(w_a, al.sub(v_b, al.vec3(d.rd, body_a)))
-                bias = al.dot(u, al.sub(centripetal(w_b, p), swept)) + al.dot(al.cross(w_b, u), seen)
-                set_push(d, row, u, P, p)
-                set_residuals(d, row, 0.0, al.dot(u, seen), bias)
-
-            elif kind == COUPLING:
-                write_coupling(m, d, row)
-
-            elif kind == FRAME:
-                if i == 0:
-                    write_frame(m, d, c, row, A_b, w_b, p)
-
-            elif kind == CONTACT or kind == SLIP:
-                u, r_c, gap, rate, bias = touching.row(m, d, j, i)
-                set_push(d, row, u, al.sub(r_c, al.vec3(d.r, body_a)), al.sub(r_c, al.vec3(d.r, body_b)))
-                set_residuals(d, row, gap, rate, bias)
-
-                if d.aim[j] > 0.0:
-                    couple = touching.aiming_couple(m, d, j, u)
-                    al.add_vec3(d.row_moment_from, row, al.neg(couple))
-                    al.add_vec3(d.row_moment_to, row, couple)
-
+            if m.row_kind[row] == POINT:
+                write_point(d, row, m.row_i[row], pair)
             else:
-                u = axis_of(A_a, i)
-                radius = d.row_side[row] * m.row_value[row]
-                to_contact, to_contact_rate = rolling_contact(kind, radius, A_a, w_a, A_b, w_b)
-                r_c = al.add(r_b, to_contact)
-                v_c = al.add(v_b, to_contact_rate)
-                slip = al.sub(
-                    markers.point_velocity(m, d, body_b, r_c), markers.point_velocity(m, d, body_a, r_c)
-                )
-                bias = al.sub(
-                    al.cross(w_b, al.sub(v_c, al.vec3(d.rd, body_b))),
-                    al.cross(w_a, al.sub(v_c, al.vec3(d.rd, body_a))),
-                )
-                gap = al.dot(u, al.add(span, to_contact)) if i == 2 else 0.0
-                set_push(d, row, u, al.add(P, to_contact), al.add(p, to_contact))
-                set_residuals(d, row, gap, al.dot(u, slip), al.dot(u, bias) + al.dot(al.cross(w_a, u), slip))
+                write_dot(m, d, row, m.row_i[row], m.row_j[row], pair)

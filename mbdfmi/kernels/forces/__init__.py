@@ -12,7 +12,7 @@ so that power = supplied - dissipated - the rate of the energy, which one test a
 its rows in layout.py, a line in each list below (docs/contributing.md).
 """
 
-from ..language import apart, kernel
+from ..language import apart, inlined, kernel
 from ..motion import coordinates
 from ..signatures import DATA, MODEL, void
 from . import (
@@ -35,12 +35,9 @@ from . import (
 )
 
 
-@apart(void(MODEL, DATA))
-def apply(m, d):
-    """Add all force elements and inputs to tau, moment and force."""
-    for v in range(m.n_v):
-        d.tau[v] = 0.0
-
+@inlined
+def add_along_coordinates(m, d):
+    """All elements that act along joint coordinates."""
     for k in range(m.n_coordinate):
         d.coordinate_effort[k] = 0.0
 
@@ -48,6 +45,17 @@ def apply(m, d):
     friction.add(m, d)
     stops.add(m, d)
     effort_inputs.add(m, d)
+
+
+@apart(void(MODEL, DATA))
+def apply(m, d):
+    """Add all force elements and inputs to tau, moment and force."""
+    for v in range(m.n_v):
+        d.tau[v] = 0.0
+
+    if m.n_coordinate > 0:
+        add_along_coordinates(m, d)
+
     struts.add(m, d)
     six_by_six.add(m, d)
     wrench_inputs.add(m, d)

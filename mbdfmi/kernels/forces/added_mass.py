@@ -58,9 +58,11 @@ def blocks(m, d, k):
         H = al.mat_mat(al.mat_mat(A, H), al.transpose(A))
         M = al.sym_rotate(A, M)
 
-    p = al.skew(markers.arm(m, d, m.six_by_six_to[k]))
-    shifted = al.mat_add(H, al.mat_mat(p, al.mat_of_sym(M)))
-    turned = al.mat_sub(al.mat_mat(p, al.transpose(H)), al.mat_mat(shifted, p))
+    p = markers.arm(m, d, m.six_by_six_to[k])
+    shifted = al.mat_add(H, al.cross_mat(p, al.mat_of_sym(M)))
+    turned = al.mat_add(
+        al.cross_mat(p, al.transpose(H)), al.transpose(al.cross_mat(p, al.transpose(shifted)))
+    )
     return al.sym_add(I, al.sym_of_mat(turned)), shifted, M
 
 
@@ -68,6 +70,12 @@ def blocks(m, d, k):
 def wrench(I, H, M, w, v):
     """(moment, force) of the 6x6 matrix with blocks I, H, M times (w, v)."""
     return al.add(al.sym_vec(I, w), al.mat_vec(H, v)), al.add(al.matT_vec(H, w), al.sym_vec(M, v))
+
+
+@inlined
+def push(H, M, v):
+    """`wrench` at w = 0, of blocks H, M."""
+    return al.mat_vec(H, v), al.sym_vec(M, v)
 
 
 @inlined
@@ -95,19 +103,19 @@ def swept(m, d, k, w, v):
 @inlined
 def still_bias(m, d, k, I, H, M, w, v):
     """`bias` in water that stands still. w, v : velocities of the body."""
-    p = markers.arm(m, d, m.six_by_six_to[k])
-    L, momentum = wrench(I, H, M, w, v)
-
     if m.six_by_six_axes[k] == BODY:
         # the momenta's body-fixed part sees rdd - w x rd
-        moment, force = wrench(I, H, M, al.ZERO3, al.cross(w, v))
+        L, momentum = wrench(I, H, M, w, v)
+        moment, force = push(H, M, al.cross(w, v))
         turned = al.add(al.cross(w, L), al.cross(v, momentum))
         return al.sub(turned, moment), al.sub(al.cross(w, momentum), force)
 
     # P is a material point
-    moment, force = wrench(I, H, M, al.ZERO3, al.cross(w, al.cross(w, p)))
+    p = markers.arm(m, d, m.six_by_six_to[k])
+    moment, force = push(H, M, al.cross(w, al.cross(w, p)))
 
     if m.six_by_six_axes[k] == HEADING:
+        L, momentum = wrench(I, H, M, w, v)
         z, yaw = heading(m, d, k)
         v_P = al.add(v, al.cross(w, p))
         L_P = al.sub(L, al.cross(p, momentum))

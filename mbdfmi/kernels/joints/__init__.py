@@ -13,7 +13,7 @@ All vectors are in inertial axes.
     accelerate      v' and the body's acceleration (ABA, root to leaves)
     pass_wrench     a wrench through the joint to the parent, and the joint's whitened response (leaves to root)
     respond         changes of v' and of the body's acceleration by whitened efforts (root to leaves)
-    pivots          least pivots of the inertia about the joint
+    compliance      what unit wrenches could do in the joint, by its least pivots
 
 To add a kind: a file with these, its row in kinds.py, its branch in each function below (docs/contributing.md).
 """
@@ -245,19 +245,17 @@ def pass_wrench(m, d, p, i, at, coefficient):
     kind = m.body_joint[i]
 
     if d.held[i] > 0.0:
-        passes = fixed.pass_wrench(m, d, p, i, at, n_v(kind))
+        passes, moment, force = fixed.pass_wrench(m, d, p, i, at, n_v(kind))
     elif is_one_axis(kind):
-        passes = one_axis.pass_wrench(m, d, p, i, at, coefficient)
+        passes, moment, force = one_axis.pass_wrench(m, d, p, i, at, coefficient)
     elif kind == SPHERICAL:
-        passes = spherical.pass_wrench(m, d, p, i, at, coefficient)
+        passes, moment, force = spherical.pass_wrench(m, d, p, i, at, coefficient)
     else:
-        passes = free.pass_wrench(m, d, p, i, at, coefficient)
+        passes, moment, force = free.pass_wrench(m, d, p, i, at, coefficient)
 
     if passes:
         parent = m.body_parent[i]
-        force = al.vec3(d.passed_force, i)
-        moment = al.add(al.vec3(d.passed_moment, i), al.cross(al.vec3(d.arm, i), force))
-        al.add_vec3(d.passed_moment, parent, moment)
+        al.add_vec3(d.passed_moment, parent, al.add(moment, al.cross(al.vec3(d.arm, i), force)))
         al.add_vec3(d.passed_force, parent, force)
 
 
@@ -279,17 +277,17 @@ def respond(m, d, i, alpha, rdd):
 
 
 @inlined
-def pivots(m, d, i):
-    """(kg m2, kg) least pivots of the articulated inertia about joint i, of turning and of sliding; infinite where it does neither."""
+def compliance(m, d, i, square):
+    """What a unit moment, and a unit force at arms of this square (m2), could do in joint i by its articulated inertia."""
     kind = m.body_joint[i]
 
     if d.held[i] > 0.0:
-        return fixed.pivots()
+        return 0.0
 
     if is_one_axis(kind):
-        return one_axis.pivots(m, d, i)
+        return one_axis.compliance(m, d, i, square)
 
-    return spherical.pivots(m, d, i) if kind == SPHERICAL else free.pivots(m, d, i)
+    return spherical.compliance(m, d, i, square) if kind == SPHERICAL else free.compliance(m, d, i, square)
 
 
 @inlined

@@ -1,7 +1,5 @@
 """The fixed joint, and any joint that is held: its acceleration is known and part of the bias, so that it is rigid."""
 
-import math
-
 from ..language import inlined
 from ..math import algebra as al
 from ..status import OK
@@ -38,11 +36,11 @@ def articulate(m, d, i, I, H, M, moment, force):
 
 @inlined
 def pass_wrench(m, d, p, i, at, n):
-    """No response, p[at:at+n] = 0. Returns True: all is passed on."""
+    """No response, p[at:at+n] = 0. Returns what is left of the wrench: (True: something, moment, force), all of it."""
     for k in range(n):
         p[at + k] = 0.0
 
-    return True
+    return True, al.vec3(d.passed_moment, i), al.vec3(d.passed_force, i)
 
 
 @inlined
@@ -52,9 +50,3 @@ def respond(m, d, i, n, alpha, rdd):
         d.change[m.body_v[i] + k] = 0.0
 
     return alpha, rdd
-
-
-@inlined
-def pivots():
-    """It neither turns nor slides."""
-    return math.inf, math.inf

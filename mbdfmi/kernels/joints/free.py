@@ -151,12 +151,12 @@ def accelerate(m, d, i, alpha, rdd):
 
 @inlined
 def pass_wrench(m, d, p, i, at, coefficient):
-    """Whitened response to p[at:]. Returns False: nothing is passed on."""
+    """Whitened response to p[at:]. Returns what is left of the wrench: nothing."""
     force = al.vec3(d.passed_force, i)
     left = al.sub(al.vec3(d.passed_moment, i), al.mat_vec(al.mat3(d.N, i), force))
     al.set_vec_at(p, at, al.sym_whiten(al.sym3(d.D_M, i), force))
     al.set_vec_at(p, at + 3, al.sym_whiten(al.sym3(d.D, i), left))
-    return False
+    return False, al.ZERO3, al.ZERO3
 
 
 @inlined
@@ -172,6 +172,6 @@ def respond(m, d, i, alpha, rdd):
 
 
 @inlined
-def pivots(m, d, i):
-    """(kg m2, kg) least pivots of the inertia about the joint, of turning and of sliding."""
-    return al.least_pivot(al.sym3(d.D, i)), al.least_pivot(al.sym3(d.D_M, i))
+def compliance(m, d, i, square):
+    """What a unit moment, and a unit force at arms of this square (m2), could do in the joint, by its least pivots."""
+    return (1.0 + square) * (1.0 / al.least_pivot(al.sym3(d.D, i))) + 1.0 / al.least_pivot(al.sym3(d.D_M, i))

@@ -192,16 +192,15 @@ def accelerate(m, d, i, alpha, rdd):
 
 @inlined
 def pass_wrench(m, d, p, i, at, coefficient):
-    """Whitened response D^-1/2 S^T f of the joint to p[at]; what it does not give way to stays. Returns True: some is passed on."""
-    axis = al.vec3(d.axis, i)
-    wrench = al.vec3(d.passed_moment, i) if m.body_joint[i] == REVOLUTE else al.vec3(d.passed_force, i)
-    e = coefficient + al.dot(axis, wrench)
+    """Whitened response D^-1/2 S^T f of the joint to p[at]. Returns what it does not give way to: (True: something, moment, force)."""
+    moment = al.vec3(d.passed_moment, i)
+    force = al.vec3(d.passed_force, i)
+    e = coefficient + al.dot(al.vec3(d.axis, i), moment if m.body_joint[i] == REVOLUTE else force)
     inverse = 1.0 / d.D[6 * i]
     p[at] = e * math.sqrt(inverse)
     taken = -(e * inverse)
-    al.add_vec3(d.passed_moment, i, al.scale(taken, al.vec3(d.U_w, i)))
-    al.add_vec3(d.passed_force, i, al.scale(taken, al.vec3(d.U_r, i)))
-    return True
+    moment = al.add(moment, al.scale(taken, al.vec3(d.U_w, i)))
+    return True, moment, al.add(force, al.scale(taken, al.vec3(d.U_r, i)))
 
 
 @inlined
@@ -216,9 +215,9 @@ def respond(m, d, i, alpha, rdd):
 
 
 @inlined
-def pivots(m, d, i):
-    """(kg m2, kg) least pivots of the inertia about the joint, of turning and of sliding."""
-    return (d.D[6 * i], math.inf) if m.body_joint[i] == REVOLUTE else (math.inf, d.D[6 * i])
+def compliance(m, d, i, square):
+    """What a unit moment, and a unit force at arms of this square (m2), could do in the joint."""
+    return (1.0 + square if m.body_joint[i] == REVOLUTE else 1.0) * (1.0 / d.D[6 * i])
 
 
 @inlined

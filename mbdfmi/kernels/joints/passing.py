@@ -12,13 +12,7 @@ def add_inertia(d, parent, r, I, H, M):
     [I H; H^T M] seen from the parent (docs/theory.md 5.2): K = H + r~ M, I' = I + r~ H^T - K r~
     (entry ij: I_ij + (r x H_j)_i + (r x K_i)_j).
     """
-    M_rows = al.mat_of_sym(M)
-    rM = (
-        al.sub(al.scale(r[1], M_rows[2]), al.scale(r[2], M_rows[1])),
-        al.sub(al.scale(r[2], M_rows[0]), al.scale(r[0], M_rows[2])),
-        al.sub(al.scale(r[0], M_rows[1]), al.scale(r[1], M_rows[0])),
-    )
-    K = al.mat_add(H, rM)
+    K = al.mat_add(H, al.cross_mat(r, al.mat_of_sym(M)))
     rH_0 = al.cross(r, H[0])
     rH_1 = al.cross(r, H[1])
     rH_2 = al.cross(r, H[2])

@@ -126,13 +126,12 @@ def accelerate(m, d, i, alpha, rdd):
 
 @inlined
 def pass_wrench(m, d, p, i, at, coefficient):
-    """Whitened response to p[at:]; a force is left. Returns True: some is passed on."""
+    """Whitened response to p[at:]. Returns what is left of the wrench: (True: something, moment, force)."""
     F = al.sym3(d.D, i)
     e = al.vec3(d.passed_moment, i)
     al.set_vec_at(p, at, al.sym_whiten(F, e))
-    al.set_vec3(d.passed_moment, i, al.ZERO3)
-    al.add_vec3(d.passed_force, i, al.neg(al.matT_vec(al.mat3(d.H_a, i), al.sym_solve(F, e))))
-    return True
+    taken = al.neg(al.matT_vec(al.mat3(d.H_a, i), al.sym_solve(F, e)))
+    return True, al.ZERO3, al.add(al.vec3(d.passed_force, i), taken)
 
 
 @inlined
@@ -147,6 +146,6 @@ def respond(m, d, i, alpha, rdd):
 
 
 @inlined
-def pivots(m, d, i):
-    """(kg m2, kg) least pivots of the inertia about the joint, of turning and of sliding."""
-    return al.least_pivot(al.sym3(d.D, i)), math.inf
+def compliance(m, d, i, square):
+    """What a unit moment, and a unit force at arms of this square (m2), could do in the joint, by its least pivot."""
+    return (1.0 + square) * (1.0 / al.least_pivot(al.sym3(d.D, i)))

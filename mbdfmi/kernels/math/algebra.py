@@ -121,6 +121,16 @@ def skew(a):
 
 
 @inlined
+def cross_mat(r, A):
+    """r~ A: r x every column of A."""
+    return (
+        sub(scale(r[1], A[2]), scale(r[2], A[1])),
+        sub(scale(r[2], A[0]), scale(r[0], A[2])),
+        sub(scale(r[0], A[1]), scale(r[1], A[0])),
+    )
+
+
+@inlined
 def mat_of_sym(S):
     """Symmetric S as three rows."""
     return ((S[0], S[3], S[4]), (S[3], S[1], S[5]), (S[4], S[5], S[2]))

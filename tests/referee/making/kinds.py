@@ -354,7 +354,7 @@ def _framed(dice, kind, shape, r, E, turns, steps, spin, options):
     """
     ways = np.hstack([turns, steps])
 
-    if dice.chance(0.4):
+    if dice.chance(0.33):
         options["spin"] = "free"
         ways = np.vstack([ways, turning(E[:, spin])])
         E = about(E[:, spin], dice.number(-3, 3)) @ E

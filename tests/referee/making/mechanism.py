@@ -347,7 +347,7 @@ class Mechanism:
             last = next(reversed(self.coupling.values()), None)
             if last and dice.chance(0.5):
                 first = next(joint for joint in joints if joint.name == last["between"][1])
-            elif first.kind == "prismatic" and dice.chance(0.5):
+            elif first.kind == "prismatic" and dice.chance(0.9):
                 first, second = second, first
             if first is second or (first.driven and second.driven):
                 continue
@@ -400,7 +400,7 @@ class Mechanism:
         pair = first.kind, second.kind
         options = {
             ("revolute", "revolute"): ["gear", "linear"],
-            ("revolute", "prismatic"): ["rack", "screw", "screw", "rack", "screw"],
+            ("revolute", "prismatic"): ["rack", "screw", "rack", "rack", "screw"],
         }
         return self.dice.pick(options.get(pair, ["linear"]))
 

@@ -13,7 +13,7 @@ WAYS = {
 
 
 def _reading(dice, ways=READING):
-    return {"interpolation": dice.pick(ways)} if dice.chance(0.85) else {}
+    return {"interpolation": dice.pick(ways)} if dice.chance(0.95) else {}
 
 
 def _times(dice, least=4):
