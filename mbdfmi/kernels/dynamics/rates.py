@@ -21,8 +21,8 @@ def set_time(m, d, s):
             d.input[k] = commands.polynomial(m, d, k, s)
 
 
-@inlined
-def find_rates(m, d):
+@apart(int64(MODEL, DATA))
+def evaluate_now(m, d):
     """x' into d.x_rate for d.x, the time and the inputs now. Returns a status."""
     if m.n_drive > 0:
         drives.prescribe(m, d)
@@ -43,17 +43,11 @@ def find_rates(m, d):
     return forward.accelerate(m, d)
 
 
-@apart(int64(MODEL, DATA))
-def evaluate_now(m, d):
-    """`find_rates` for steps of others' integrators."""
-    return find_rates(m, d)
-
-
 @apart(int64(MODEL, DATA, float64))
 def evaluate(m, d, s):
     """The same at time s (s) of the communication step."""
     set_time(m, d, s)
-    return find_rates(m, d)
+    return evaluate_now(m, d)
 
 
 @inlined
