@@ -21,6 +21,12 @@ static bool is_calculated(const Instance *c, uint32_t vr)
            || kind == VARIABLE_INDICATOR || kind == VARIABLE_LOCAL;
 }
 
+/* Whether it is a state that a solver outside may set: some (CasADi) set them one by one. */
+static bool is_solved(const Instance *c, uint32_t vr)
+{
+    return kind_of(c, vr) == VARIABLE_STATE && (c->core->mode & EXCHANGE_MODES);
+}
+
 /* Brings the value of a variable up to date. */
 static Status find(Instance *c, uint32_t vr)
 {
@@ -93,7 +99,7 @@ static Status check_set(Instance *c, uint32_t vr, double value)
     const char *name = c->resource.names[vr];
     bool running = c->core->mode & (STEP_MODES | EXCHANGE_MODES);
 
-    if (is_calculated(c, vr))
+    if (is_calculated(c, vr) && !is_solved(c, vr))
         return instance_refuse(c, "'%s' (value reference %u) is %s and cannot be set", name, vr,
                                kind_of(c, vr) == VARIABLE_OUTPUT ? "an output" : "calculated");
     if (kind_of(c, vr) == VARIABLE_CONSTANT)
@@ -103,7 +109,7 @@ static Status check_set(Instance *c, uint32_t vr, double value)
         return instance_refuse(
             c, "the parameter '%s' (value reference %u) is fixed after the initialization", name,
             vr);
-    if (c->core->mode == CONTINUOUS_TIME && kind_of(c, vr) != VARIABLE_INPUT)
+    if (c->core->mode == CONTINUOUS_TIME && kind_of(c, vr) != VARIABLE_INPUT && !is_solved(c, vr))
         return instance_refuse(
             c, "the parameter '%s' (value reference %u) can be set in event mode only", name, vr);
     if (!isfinite(value))
@@ -123,7 +129,7 @@ static void set(Instance *c, uint32_t vr, double value)
     *place = value;
     instance_changed(c);
     if (c->core->mode & (INSTANTIATED | INITIALIZATION)) c->core->started = 0;
-    if (kind_of(c, vr) != VARIABLE_INPUT) c->core->prepared = 0;
+    if (kind_of(c, vr) != VARIABLE_INPUT && !is_solved(c, vr)) c->core->prepared = 0;
 }
 
 Status variables_set(Instance *c, const uint32_t vr[], size_t n, const double value[])

@@ -600,3 +600,21 @@ def test_round_surfaces(tmp_path, fmi):
 
     for name in found[0].dtype.names:
         np.testing.assert_allclose(found[0][name][rows], found[1][name], atol=1e-6)
+
+
+def test_states_one_by_one(pendulum):
+    """As some solvers set them (CasADi): the same as all at once; not where the FMU solves by itself, and no NaN."""
+    solver, other = Solver(pendulum), Solver(pendulum)
+    states = [u.variable.derivative.name for u in pendulum.description.derivatives]
+    x = solver.x + 0.1 * np.arange(1, solver.n + 1)
+    solver.go(0.0, x)
+    assert other.fmu.set(dict(zip(states, x))) == OK
+    rates = [f"der({name})" for name in states]
+    assert other.fmu.get(*rates, *states) == solver.fmu.get(*rates, *states)
+    assert other.fmu.outputs() == solver.fmu.outputs()
+    assert other.fmu.set({states[0]: float("nan")}) == ERROR
+    solver.fmu.free(), other.fmu.free()
+
+    fmu = Instance(pendulum).start()
+    assert fmu.set({states[0]: 0.1}) == ERROR and "cannot be set" in fmu.message
+    fmu.free()

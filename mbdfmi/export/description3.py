@@ -30,6 +30,9 @@ from .description import (
 
 CAUSALITIES = ("input", "output", "parameter", "state", "rate", "indicator")
 
+MOST_TOLD = 10_000
+"""Dependencies on all that is known that are written in full."""
+
 
 def description3(model, sources: Sequence[str] = ()) -> bytes:
     """modelDescription.xml of a model, UTF-8, checked against the FMI 3.0 schema.
@@ -144,6 +147,8 @@ def _units_by_rows(array: ArrayVariable) -> str:
 def _structure(root, found: list[ArrayVariable], booleans: list[int]) -> None:
     """Which outputs there are and what they depend on, by value references, as `description` says it for
     scalars; booleans : those of parameters that are no numbers.
+
+    What depends on all that is known is told so, where that are few: CasADi takes no silence for it.
     """
     structure = etree.SubElement(root, "ModelStructure")
     whole = {array.first + k: array.first for array in found for k in range(len(array.elements))}
@@ -154,24 +159,30 @@ def _structure(root, found: list[ArrayVariable], booleans: list[int]) -> None:
     lists = sum(len(given) + len(parameters) for given in partial) <= MOST_LISTED
     all_parameters = [*(array.first for array in parameters), *booleans]
 
+    everything = [array.first for array in (*inputs, *states)]
+    at_start = [*(array.first for array in inputs), *all_parameters]
+    told = everything if (len(outputs) + len(rates)) * len(everything) <= MOST_TOLD else None
+    told_at_start = at_start if (len(outputs) + 2 * len(rates)) * len(at_start) <= MOST_TOLD else None
+
     for array in outputs:
         led = sorted({whole[k] for v in array.elements for k in v.led_by})
         given = [*known[array.first], *led]
-        everything = 0 < len(inputs) + len(states) == len(given)
-        _add_unknown(structure, "Output", array.first, None if everything else given)
+        _add_unknown(structure, "Output", array.first, told if 0 < len(everything) == len(given) else given)
 
     for array in rates:
-        _add_unknown(structure, "ContinuousStateDerivative", array.first, None)
+        _add_unknown(structure, "ContinuousStateDerivative", array.first, told)
 
     for first, given in known.items():
         listed = lists and len(given) < len(inputs)
-        _add_unknown(structure, "InitialUnknown", first, [*given, *all_parameters] if listed else None)
+        _add_unknown(
+            structure, "InitialUnknown", first, [*given, *all_parameters] if listed else told_at_start
+        )
 
     for array in [*states, *rates]:
-        _add_unknown(structure, "InitialUnknown", array.first, None)
+        _add_unknown(structure, "InitialUnknown", array.first, told_at_start)
 
     for array in indicators:
-        _add_unknown(structure, "EventIndicator", array.first, None)
+        _add_unknown(structure, "EventIndicator", array.first, told)
 
 
 def _add_unknown(structure, section: str, reference: int, known: list[int] | None) -> None:
