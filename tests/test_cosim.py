@@ -1,6 +1,7 @@
 """The master, on a small FMU of ours and one by PythonFMU."""
 
 from pathlib import Path
+from time import process_time
 
 import fmpy
 import numpy as np
@@ -9,6 +10,7 @@ from pythonfmu.builder import FmuBuilder
 
 import mbdfmi
 from mbdfmi.cosim import CouplingError, couple
+from mbdfmi.cosim.rig import Rig
 
 RAMP = """
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
@@ -130,3 +132,43 @@ def test_what_is_no_fmu_is_named(fmus, tmp_path):
 def test_two_runs_are_equal(fmus):
     first, second = (couple(fmus, PUSH, 1, 0.1) for _ in range(2))
     assert all(np.array_equal(first[name], second[name]) for name in first)
+
+
+def test_held_inputs_take_one_call_each_way_and_a_product(fmus, monkeypatch):
+    """A macro step of FMUs that hold what they have: of each one call that sets, one that steps, one that reads, and one
+    product for all links; time for it is an upper bound that no load of the machine should reach.
+    """
+    done = {"products": 0}
+    renewing = Rig.renewing
+
+    def counted(rig):
+        renew = renewing(rig)
+
+        def once():
+            done["products"] += 1
+            renew()
+
+        return once
+
+    monkeypatch.setattr(Rig, "renewing", counted)
+    begun = process_time()
+    run = couple(fmus, PUSH, 10.0, 1e-3, method="jacobi", parameters={"ramp.slope": 3.0})
+    spent = process_time() - begun
+    # the last step stands alone, as it may be shorter
+    assert done["products"] == 9999
+    assert len(run["time"]) == 10_001
+    assert run.work == {"ramp": 10_000, "sledge": 10_000}
+    # held over a step: half a step late
+    assert run["sledge.slide.speed"][-1] == pytest.approx(3 * (10.0**2 - 10.0 * 1e-3) / 4, rel=1e-5)
+    assert spent < 5.0
+
+
+def test_a_failure_in_the_midst_of_held_steps_is_told_with_its_time(fmus):
+    """The rows up to it are there."""
+    with pytest.raises(CouplingError) as error:
+        couple(fmus, [*PUSH], 10.0, 0.01, method="jacobi", limit=5.0, parameters={"ramp.slope": 3.0})
+
+    results = error.value.results
+    assert "beyond [master] limit = 5" in str(error.value)
+    assert results["time"][-1] == pytest.approx(1.66, abs=0.011)
+    assert results["ramp.force"] == pytest.approx(3 * results["time"])

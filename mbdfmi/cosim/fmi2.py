@@ -103,6 +103,10 @@ class Slave2(Slave):
         if self.can.rollback:
             self.prepare_states()
 
+    def stepping(self, H):
+        self._length.value = H
+        return self._time, self._do, self._refused
+
     def _stepper(self):
         at, length, do = self._time, self._length, self._do
 

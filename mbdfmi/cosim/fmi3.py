@@ -87,6 +87,16 @@ class Slave3(Slave):
         if self.can.rollback:
             self.prepare_states()
 
+    def stepping(self, H):
+        self._length.value = H
+
+        def do():
+            self.work -= 1
+            self.stepper(self._time.value, H)
+            return 0
+
+        return self._time, do, self.check
+
     def stepper(self, time, H):
         self.work += 1
         self._time.value = time

@@ -22,6 +22,23 @@ class History:
         self._y, self._end = bytearray(), bytearray()
         self._from = y.data.cast("B"), u.data.cast("B")
 
+    @property
+    def reached(self) -> list[float]:
+        """Times of the rows, to be added to by those who are in a hurry, with `row` to `rows` and 1 to `n`, where inputs are
+        held.
+        """
+        return self._time
+
+    @property
+    def rows(self) -> bytearray:
+        """Values read, one row after another."""
+        return self._y
+
+    @property
+    def row(self) -> memoryview:
+        """The bytes of the next row."""
+        return self._from[0]
+
     def add(self, time: float):
         """A row."""
         self.n += 1

@@ -25,6 +25,9 @@ SHORTEST = 1e-9
 CAREFUL = (1 / 8, 1 / 4, 1 / 2, 1.0)
 """Ends of the parts that the first step is done in where steps are repeated, as parts of it."""
 
+SHOWN = 20
+"""Steps between two looks at how far a run is, where these take next to no time."""
+
 EXACT = 1e-6
 """Relative difference up to which two runs of one step count as equal."""
 
@@ -49,7 +52,6 @@ class March:
         rig.keeps_all = self._needs_all()
         # what is recorded besides is read when the step is accepted; stages that do not repeat it read it at once
         history.held = len(self.stages) == 1 and self.stages[0].holds
-        self._advance = self.stages[0].advance
         self._remembers = self.order > 0 or self.control is not None
         self._looks_back = bool(self._ports) or self._remembers
         # a parabola needs two points before: until they are there steps are repeated, where all FMUs can
@@ -86,19 +88,17 @@ class March:
         n = len(grid) - 1
         steps = [H] * (n - 1) + [grid[n] - grid[n - 1]]
 
-        step = (
-            self._plainly
-            if self.history.held and not (self._others or self.rig.transfers or self.after)
-            else self._to
-        )
+        plain = self.history.held and not (self._others or self.rig.transfers or self.after)
+        k = self._plainly(grid[:-1], H, progress) if plain else 0
 
-        for k in range(n):
+        while k < n:
             if k == 0 and self._starts_careful:
                 self._begin(grid[0], grid[1], steps[0])
             else:
-                step(grid[k], grid[k + 1], steps[k])
+                self._to(grid[k], grid[k + 1], steps[k])
+            k += 1
             if progress:
-                progress(grid[k + 1])
+                progress(grid[k])
 
     def _begin(self, start, end, H):
         """The first step, in parts, of which nothing is kept but the last: what is switched on at the start is quick
@@ -112,18 +112,27 @@ class March:
             self._to(time, last, last - time)
             time = last
 
-    def _plainly(self, time, end, H):
-        """A step of FMUs that hold what they have: as `_to`, without what these do not need."""
-        rig = self.rig
-        rig.time = time
-        try:
-            self._advance(time, H, None)
-        except Ended as who:
-            raise self._end(who, time) from None
-        rig.renew()
-        self.history.add(end)
-        if self.history.n >= self.watch.next:
-            self.watch.look()
+    def _plainly(self, times, H, progress) -> int:
+        """Steps of H (s) between times (s) of FMUs that hold what they have: as `_to`, without what these do not need. Returns
+        how many.
+        """
+        k, n, history, watch = 0, len(times) - 1, self.history, self.watch
+        held = self.stages[0]
+        assert isinstance(held, Held)
+
+        while k < n:
+            last = min(n, k + (SHOWN if progress else watch.next - history.n))
+            try:
+                held.march(times[k : last + 1], H, history)
+            except Ended as who:
+                raise self._end(who, self.rig.time) from None
+            k = last
+            if history.n >= watch.next:
+                watch.look()
+            if progress:
+                progress(times[k])
+
+        return n
 
     def _to(self, time, end, H):
         """From a time to an end a step of H away, in parts where an FMU stops on the way."""

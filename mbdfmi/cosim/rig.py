@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -237,7 +238,9 @@ class Rig:
 
     def __init__(self, net: Network, through: dict[str, list[tuple[str, str]]]):
         self.net, self.through = net, through
-        self.y, self.old = np.zeros(net.n_y), np.zeros(net.n_y)
+        # with a 1 behind, which takes what links add
+        self._with_one = np.append(np.zeros(net.n_y), 1.0)
+        self.y, self.old = self._with_one[:-1], np.zeros(net.n_y)
         self.now, self.end, self.prev = (np.zeros(net.n_u) for _ in range(3))
         self.time = 0.0
         self.keeps_all = False
@@ -323,6 +326,13 @@ class Rig:
     def wanted(self) -> np.ndarray:
         """What the links make of the outputs that are known: u (n_u,)."""
         return self.net.G @ self.y + self.net.b
+
+    def renewing(self) -> Callable[[], Any]:
+        """`renew`, as one call where matrices are small."""
+        if not self.net.is_dense:
+            return self.renew
+        whole = np.column_stack([self.net.G, self.net.b]) if self._shifted else self.net.G
+        return partial(np.dot, whole, self._with_one if self._shifted else self.y, self.now)
 
     def renew(self):
         """Inputs at the start of the next step, of the outputs that are known."""

@@ -301,5 +301,11 @@ class Slave:
         """From initialisation mode to steps. Raises CouplingError."""
         raise NotImplementedError
 
+    def stepping(self, H: float) -> tuple[Any, Callable[[], int], Callable[[int, float, float], Any]]:
+        """(the time of the next step, in C; a call that does one of H (s), and is not counted; what raises what follows of its
+        status, a time and H).
+        """
+        raise NotImplementedError
+
     stepper: Callable[[float, float], None]
     """Advances from a time by a step (s). Raises CouplingError, Discarded, Ended."""
