@@ -79,3 +79,59 @@ def solve_banded(band, diagonals, right):
         x[j] = (x[j] - (upper[j, 1:] * x[j + 1 : j + width]).sum()) / upper[j, 0]
 
     return x[:n]
+
+
+def spline_slopes(x, values, axis=0):
+    """Slopes at the points of the cubic spline through values that is one cubic over the first two pieces,
+    and over the last two.
+
+    x : (n,) ascending. values : (..., n, ...), real or complex, along `axis`. 0 where there is but one point.
+    """
+    y = np.moveaxis(np.asarray(values), axis, 0)
+    n = len(x)
+    h = np.diff(x).reshape(-1, *[1] * (y.ndim - 1))
+    rise = np.diff(y, axis=0) / h
+
+    if n < 3:
+        found = np.broadcast_to(rise.sum(axis=0), y.shape) if n == 2 else np.zeros_like(y)
+        return np.moveaxis(found, 0, axis)
+    if n == 3:
+        bend = (rise[1] - rise[0]) / (h[0] + h[1])
+        return np.moveaxis(
+            np.stack([rise[0] - h[0] * bend, rise[0] + h[0] * bend, rise[1] + h[1] * bend]), 0, axis
+        )
+
+    main = np.concatenate([h[1:2], 2 * (h[:-1] + h[1:]), h[-2:-1]])
+    above = np.concatenate([h[:1] + h[1:2], h[:-1]])
+    below = np.concatenate([h[1:], h[-1:] + h[-2:-1]])
+    first, last = h[0] + h[1], h[-1] + h[-2]
+    right = np.concatenate(
+        [
+            [((h[0] + 2 * first) * h[1] * rise[0] + h[0] ** 2 * rise[1]) / first],
+            3 * (h[1:] * rise[:-1] + h[:-1] * rise[1:]),
+            [((h[-1] + 2 * last) * h[-2] * rise[-1] + h[-1] ** 2 * rise[-2]) / last],
+        ]
+    )
+
+    for i in range(1, n):
+        share = below[i - 1] / main[i - 1]
+        main[i] = main[i] - share * above[i - 1]
+        right[i] = right[i] - share * right[i - 1]
+
+    for i in range(n - 1, -1, -1):
+        right[i] = (right[i] - (above[i] * right[i + 1] if i < n - 1 else 0.0)) / main[i]
+
+    return np.moveaxis(right, 0, axis)
+
+
+def spline_at(x, values, points, axis=0):
+    """Values and slopes at points of the spline of `spline_slopes`, along `axis`."""
+    y, m = (np.moveaxis(part, axis, 0) for part in (values, spline_slopes(x, values, axis)))
+    k = np.clip(np.searchsorted(x, points, side="right") - 1, 0, len(x) - 2)
+    shape = (-1, *[1] * (y.ndim - 1))
+    h, s = (x[k + 1] - x[k]).reshape(shape), ((points - x[k]) / (x[k + 1] - x[k])).reshape(shape)
+    rise, left, right = y[k + 1] - y[k], h * m[k], h * m[k + 1]
+    square, cube = 3 * rise - 2 * left - right, left + right - 2 * rise
+    found = y[k] + s * (left + s * (square + s * cube))
+    slope = (left + s * (2 * square + 3 * s * cube)) / h
+    return np.moveaxis(found, 0, axis), np.moveaxis(slope, 0, axis)

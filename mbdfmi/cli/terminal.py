@@ -5,6 +5,8 @@ import sys
 from contextlib import contextmanager
 from functools import cached_property
 
+from ..hydro.progress import Progress
+
 # width of tables where nobody says how wide the output is: into a file or a pipe, where names are looked for
 PIPED = 160
 
@@ -49,6 +51,7 @@ def carry_out(parser, arguments=None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
 
+    Progress.shown = staticmethod(doing)
     options = parser.parse_args(arguments)
 
     try:
@@ -100,6 +103,10 @@ def note(notices):
         err.print(f"note: {notice}", soft_wrap=True)
 
 
+# what a terminal shows now; one thing at a time
+_shown: list = []
+
+
 @contextmanager
 def doing(text):
     """Shows what takes time; yields a function to call with what comes next."""
@@ -107,18 +114,26 @@ def doing(text):
         yield lambda text: err.print(text, soft_wrap=True)
         return
 
-    with err.status(text) as status:
-        yield status.update
+    with doing_here(text) as tell:
+        yield tell
 
 
 @contextmanager
 def doing_here(text):
     """Shows on a terminal what takes some time; yields a function to call with what comes next."""
-    if err.is_terminal:
-        with err.status(text) as status:
-            yield status.update
-    else:
+    if not err.is_terminal:
         yield lambda text: None
+    elif _shown:
+        _shown[-1].update(text)
+        yield _shown[-1].update
+    else:
+        with err.status(text) as status:
+            _shown.append(status)
+
+            try:
+                yield status.update
+            finally:
+                _shown.pop()
 
 
 def compile_first():

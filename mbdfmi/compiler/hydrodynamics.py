@@ -11,6 +11,7 @@ import numpy as np
 from ..files import replacing
 from ..hydro import memory as memory_module
 from ..hydro.memory import Memory, fit
+from ..hydro.progress import Progress
 from ..hydro.reading import read_coefficients, read_states
 from ..hydro.spectra import Components, drawn, of_series, regular
 from ..kernels import entry, layout, outputs
@@ -205,7 +206,8 @@ def _kept_fit(coefficients, error, states):
             arrays = [found[name] for name in ("pole", "mate", "source", "sink", "infinite")]
             return Memory(*arrays, float(found["error"]), [])
     except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-        memory = fit(coefficients, error, states)
+        with Progress.shown("fitting the memory of waves") as tell:
+            memory = fit(coefficients, error, states, tell)
 
     # where nothing can be kept it is fitted again the next time
     with contextlib.suppress(OSError):
@@ -269,7 +271,7 @@ def _add_excitation(builder, name, force, ends, coefficients, alone):
     waves = sea_components(builder.scene)
 
     try:
-        omega, headings, points = coefficients.grid()
+        omega, headings, points = coefficients.grid
     except ValueError as error:
         raise SceneError([Problem(path, str(error))]) from None
 

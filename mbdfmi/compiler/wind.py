@@ -1,10 +1,10 @@
 """Wind, and rotors in it."""
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..kernels import outputs
 from ..scene import Problem, SceneError
+from ..vectors import spline_at
 from ..vocabulary import ROTOR_OUTPUTS, ROTOR_PITCH, WIND_VELOCITY
 from .builder import Place, Source
 from .variables import dotted
@@ -106,10 +106,9 @@ def _cells(ratio, pitch, thrust, torque):
     found = []
 
     for table in (thrust, torque):
-        spline = scipy.interpolate.RectBivariateSpline(ratio, pitch, table, kx=3, ky=3, s=0)
-        f = np.array(
-            [[spline(*axes, dx=i, dy=j) * steps[0] ** i * steps[1] ** j for j in (0, 1)] for i in (0, 1)]
-        )
+        along = spline_at(ratio, table, axes[0])
+        parts = [spline_at(pitch, part, axes[1], axis=1) for part in along]
+        f = np.array([[parts[i][j] * steps[0] ** i * steps[1] ** j for j in (0, 1)] for i in (0, 1)])
 
         # corners of each cell: values along (s = 0, 1; slopes at 0, 1) by (t likewise)
         rows = [f[0, :, :-1], f[0, :, 1:], f[1, :, :-1], f[1, :, 1:]]

@@ -1,9 +1,11 @@
 """What potential theory says of a floating body: coefficients over frequency, checked."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
+
+from ..vectors import spline_slopes
 
 DOFS = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
@@ -101,6 +103,7 @@ class Coefficients:
             for k in np.flatnonzero((peak > counts) & (last > ENDS * peak))
         ]
 
+    @cached_property
     def grid(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Excitation as a bicubic: frequencies (k,), headings (h,), and for each pair of these (N, 4, 12)
         numbers.
@@ -113,18 +116,12 @@ class Coefficients:
             raise ValueError("has no excitation")
 
         headings, values = _around(self.headings, self.excitation)
-        slope = _slope(self.wave_omega, values, 0)
-        parts = np.stack([values, slope, _slope(headings, values, 1), _slope(headings, slope, 1)], axis=2)
+        slope = spline_slopes(self.wave_omega, values, 0)
+        parts = np.stack(
+            [values, slope, spline_slopes(headings, values, 1), spline_slopes(headings, slope, 1)], axis=2
+        )
         parts = np.moveaxis(parts.reshape(*parts.shape[:3], self.bodies, 6), 3, 2)
         return self.wave_omega, headings, np.concatenate([parts.real, parts.imag], axis=4)
-
-
-def _slope(x, values, axis):
-    """Derivatives at the points of the spline through values; 0 where there is but one."""
-    if len(x) == 1:
-        return np.zeros_like(values)
-
-    return scipy.interpolate.CubicSpline(x, values, axis=axis)(x, 1)
 
 
 def _size(matrices):

@@ -5,6 +5,7 @@ realisation of K, C by least squares on H(i omega) = B + i omega (A - A_inf), wi
 passive. The order grows until both parts of H are met.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,10 +134,16 @@ class Kernel:
         return scipy.interpolate.CubicSpline(self.omega, self.B)(omega) + 1j * w * self.added(omega)
 
 
-def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
-    """The memory of a body, of an order that meets `error` of the peaks.
+def fit(
+    coefficients: Coefficients,
+    error: float = 0.01,
+    states: int | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> Memory:
+    """The memory of bodies, of an order that meets `error` of the peaks.
 
-    states : so many instead, for each group of motions that are coupled.
+    states : so many instead, for each group of motions that are coupled. tell : is given the words of each
+        group.
     """
     kernel = Kernel(coefficients)
     scale = np.sqrt(np.maximum(kernel.B.diagonal(axis1=1, axis2=2).max(axis=0), 0.0))
@@ -145,6 +152,10 @@ def fit(coefficients: Coefficients, error=0.01, states=None) -> Memory:
     samples = _sampled(kernel, coefficients.omega)
 
     for group in _groups(kernel.B, scale):
+        if tell:
+            names = ", ".join(motion(k, coefficients.bodies) for k in group)
+            tell(f"fitting the memory of the waves that {names} {'makes' if len(group) == 1 else 'make'}")
+
         part, missed = _fit_group(kernel, samples, group, scale[group], error, states)
         parts.append((group, part))
         worst = max(worst, missed)

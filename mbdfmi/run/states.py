@@ -45,6 +45,7 @@ class States:
         self._more: list = [None] * n
         self._start: tuple = ()
         self._views: tuple = ()
+        self._found: tuple | None = None
 
     def __len__(self):
         return len(self.time)
@@ -83,6 +84,7 @@ class States:
         start.
         """
         self.keep(0, instance)
+        self._found = None
         self.time, self.inputs, self._x, self._more = other.time, other.inputs, other._x, other._more
 
     def at(self, k):
@@ -122,13 +124,25 @@ class States:
         nodes = np.array([node for node, _ in places], int)
         r_in = np.array([pose[0] for _, pose in places]).reshape(-1, 3)
         A_in = np.array([pose[1] for _, pose in places]).reshape(-1, 3, 3)
-        rows = range(len(self)) if rows is None else rows
-        r, A = np.empty((len(rows), len(ends), 3)), np.empty((len(rows), len(ends), 3, 3))
+        r, A = self._nodes(range(len(self)) if rows is None else rows)
+        turned = A[:, nodes]
+        return r[:, nodes] + np.einsum("knij,nj->kni", turned, r_in), turned @ A_in
 
-        for i, k in enumerate(rows):
-            _, d = self.at(k)
-            turned = d.A.reshape(-1, 3, 3)[nodes]
-            r[i] = d.r.reshape(-1, 3)[nodes] + np.einsum("nij,nj->ni", turned, r_in)
-            A[i] = turned @ A_in
+    def _nodes(self, rows):
+        """Positions (n, n_body, 3) and axes (n, n_body, 3, 3) of all nodes; the last ones asked for are
+        kept.
+        """
+        rows = tuple(int(k) for k in rows)
 
-        return r, A
+        if self._found is None or self._found[0] != rows:
+            r, A = [], []
+
+            for k in rows:
+                _, d = self.at(k)
+                r.append(d.r.copy())
+                A.append(d.A.copy())
+
+            n = len(rows)
+            self._found = rows, np.array(r).reshape(n, -1, 3), np.array(A).reshape(n, -1, 3, 3)
+
+        return self._found[1:]
