@@ -14,10 +14,11 @@ ROUNDING = 4 * np.finfo(float).eps
 
 def compose(outer, inner):
     """Pose of a frame given in a frame that is itself at `outer`; what rounding leaves of nothing is nothing."""
-    r, turned = outer[0], dot(outer[1], inner[0])
-    found = r + turned
-    size = np.abs(r).max() + np.abs(turned).max()
-    return np.where(np.abs(found) <= ROUNDING * size, 0.0, found), exact(dot(outer[1], inner[1]))
+    r, turned = map(float, outer[0]), dot(outer[1], inner[0]).tolist()
+    ends = list(zip(r, turned))
+    least = ROUNDING * (max(abs(a) for a, _ in ends) + max(abs(b) for _, b in ends))
+    position = [a + b if abs(a + b) > least else 0.0 for a, b in ends]
+    return np.array(position), exact(dot(outer[1], inner[1]))
 
 
 def inverse(pose):
@@ -30,8 +31,12 @@ def exact(A):
 
     Most joints of a scene turn about axes of its frames: code of its own is without them then (docs/specialise.md).
     """
-    nearest = np.rint(A)
-    return np.where(np.abs(A - nearest) <= ROUNDING, nearest, A) + 0.0
+    return np.array([[_exact(x) for x in row] for row in A.tolist()])
+
+
+def _exact(x):
+    nearest = float(round(x))
+    return nearest if abs(x - nearest) <= ROUNDING else x
 
 
 def axes_with_z(axis):
