@@ -22,9 +22,11 @@ class Session:
 
     def __init__(self, library, version, kind):
         self.library, self.version, self.exchanges = library, version, kind == "ModelExchange"
+        self.has_events = kind == "EventMode"
         variables = library.variables.values()
         self.inputs = [v.valueReference for v in variables if v.causality == "input"]
         self.outputs = [v for v in variables if v.causality == "output"]
+        self.locals = [v.valueReference for v in variables if v.causality == "local"]
         self.parameters = [v.valueReference for v in variables if v.variability == "tunable"][:2]
         self.n = len(library.description.derivatives)
         self.update = fmu_host3.UPDATE(lambda *given: None)
@@ -32,7 +34,9 @@ class Session:
             code = fmu_host.MODEL_EXCHANGE if self.exchanges else fmu_host.CO_SIMULATION
             self.instance = fmu_host.Instance(library, kind=code)
         else:
-            extra = None if self.exchanges else (c_bool(False), c_bool(False), None, c_size_t(0))
+            kind = "CoSimulation" if self.has_events else kind
+            events = c_bool(self.has_events)
+            extra = None if self.exchanges else (events, events, None, c_size_t(0))
             self.instance = fmu_host3.Instance(
                 library, kind=kind, extra=extra, update=None if self.exchanges else self.update
             )
@@ -59,10 +63,12 @@ class Session:
         else:
             self.call("EnterInitializationMode", c_bool(False), none, start, c_bool(False), none)
         self.call("ExitInitializationMode")
+        if self.has_events:
+            self.discrete()
         self.solve() if self.exchanges else self.step()
         self.snapshots()
         self.derive()
-        found = self.get([v.valueReference for v in self.outputs])
+        found = self.get([v.valueReference for v in self.outputs]) + self.get(self.locals)
         self.call("Terminate")
         return found
 
@@ -111,7 +117,7 @@ class Session:
         else:
             flags, time = [c_bool() for _ in range(5)], c_double()
             self.call("UpdateDiscreteStates", *map(byref, flags), byref(time))
-        self.call("EnterContinuousTimeMode")
+        self.call("EnterStepMode" if self.has_events else "EnterContinuousTimeMode")
 
     def snapshots(self):
         name = "FMUstate" if self.version == 2 else "FMUState"
