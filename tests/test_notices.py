@@ -79,7 +79,7 @@ def test_kernels_notices_in_the_log(model, library, tmp_path):
     (tmp_path / "model.bin").write_bytes(resource(model, messages))
     instance = Instance(library, location=tmp_path.as_uri().encode()).start()
     data = bytearray(instance.serialise(instance.save()))
-    state_at = HEAD_OF_STATE + 9 * 8 + 8 * len(model.reals)
+    state_at = HEAD_OF_STATE + 10 * 8 + 8 * len(model.reals)
     told = {
         "notices": [2.0],
         "notice": [float(status(99, 1)), 0.25, -1e-7, float(status(STIFF, 0)), 0.0, 0.0],

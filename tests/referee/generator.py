@@ -13,7 +13,7 @@ import numpy as np
 
 from mbdfmi import Scene, SceneError
 
-from .making import forces, frames, kinds, later, looks, motions, names, telling
+from .making import forces, frames, kinds, later, looks, motions, names, telling, water
 from .making.bodies import SORTS
 from .making.dice import Dice
 from .making.mechanism import Mechanism
@@ -47,7 +47,7 @@ RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 
 # loops that find their place less often than others
 SELDOM = {
-    "constant_velocity": 4.0,
+    "constant_velocity": 12.0,
     "frame_on_curve": 3.0,
     "frame_on_surface": 6.0,
     "curve_on_curve": 2.5,
@@ -106,10 +106,10 @@ FOCUS = {
         "family": "slides",
         "drivers": motions.WAYS
         | {
-            "hold": 2.2,
-            "constant_speed": 4.8,
+            "hold": 3.5,
+            "constant_speed": 9.0,
             "input": 3,
-            "harmonic": 2.2,
+            "harmonic": 3.2,
             "harmonics": 2.6,
             "polynomial": 1.8,
             "ramp": 2.2,
@@ -126,7 +126,12 @@ FOCUS = {
         "measures": (1, 2),
         "loops": (0, 1),
     },
-    "ground": {"ground": 1.0, "forces": (0, 2), "central": 0.95},
+    "ground": {
+        "ground": 1.0,
+        "grounds": motions.GROUND | {"orbit": 2.4},
+        "forces": (0, 2),
+        "central": 0.95,
+    },
     "sea": {"sea": 1, "family": "loose", "loops": (0, 1), "outputs": {"all": 1, "some": 1}},
     "led": {"led": 1, "family": "loose", "loops": (0, 0), "couplings": (0, 1)},
 }
@@ -176,7 +181,7 @@ def time_scale(data: dict) -> float:
 
 def _taste(dice, size, focus, start):
     """What a scene is to be like."""
-    n = size or (dice.whole(1, 4) if focus else dice.weighted(_sizes()))
+    n = size or (dice.whole(2, 5) if focus else dice.weighted(_sizes()))
     starts = start or dice.weighted(FOCUS.get(focus, {}).get("starts", STARTS))
     loops = dice.weighted({0: 2, 1: 3, 2: 2, 3: 1})
     couplings = dice.weighted({0: 4, 1: 3, 2: 2, 4: 0.7})
@@ -306,6 +311,7 @@ def _scene(dice, taste, seed):
         if table
     }
     looks.add(seed, data)
+    water.ask(Dice(seed, 19), data)
 
     if trimmed := later.trim(seed, data):
         data["solver"] = data.get("solver", {}) | trimmed

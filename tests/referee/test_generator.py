@@ -35,7 +35,7 @@ def test_scenes_are_what_tomllib_gives(scenes):
 @pytest.mark.parametrize("focus", generator.FOCUS)
 def test_each_focus_gives_small_scenes(focus):
     for seed in range(3):
-        assert 1 <= len(generator.draw(seed, focus=focus)["body"]) <= 4
+        assert 1 <= len(generator.draw(seed, focus=focus)["body"]) <= 6
 
 
 def test_keys_are_those_of_the_schema(scenes):

@@ -9,7 +9,8 @@ derivative come from CasADi's automatic differentiation.
 
 The dense system is solved by its singular values. Solutions that it leaves open,
 as reactions of redundant joints, are known as such, and what depends on them is not told.
-It does not know surfaces that touch or roll: `unknown` names these. What waves do to a body it takes from what is told.
+It does not know surfaces that touch or roll: `unknown` names these, and tests/test_touching_by_supports.py has a route of their own, by
+support functions. What waves do to a body it takes from what is told.
 
     reading        units, axes, orientations, names; the scene in SI units
     mass           solids to mass properties

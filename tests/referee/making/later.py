@@ -20,11 +20,12 @@ def add(seed, mechanism, forces, gravity):
         _twist(dice, mechanism, forces)
 
     if "central_gravity" in gravity and dice.chance(0.95):
-        gravity["central_gravity"]["gradient"] = dice.chance(0.5)
+        gravity["central_gravity"]["gradient"] = dice.chance(0.55)
 
     if gravity.get("gravity", [0, 0, -9.81])[:2] == [0, 0] and gravity.get("gravity", [0, 0, -9.81])[2] < 0:
         water.fill(Dice(seed, 7), mechanism, forces, gravity)
         water.wave(Dice(seed, 11), mechanism, forces, gravity)
+        water.stir(Dice(seed, 18), forces, gravity.get("sea", {}))
 
     if "the radiation" in forces and Dice(seed, 17).chance(0.5):
         forces["the radiation"]["hydrodynamics"]["bodies"] = [1.0]

@@ -99,6 +99,29 @@ def wave(dice, mechanism, forces, water):
         forces["the radiation"] = {"hydrodynamics": options, "on": at}
 
 
+def stir(dice, forces, sea):
+    """Maybe how the sea's waves go on above the mean surface; maybe a member that they leave alone, or that moves water with it."""
+    if "waves" in sea and dice.chance(0.7):
+        sea["stretching"] = dice.pick(["none", "wheeler"])
+
+    if "the pile" in forces:
+        pile = forces["the pile"]["member"]
+        pile |= {"waves": dice.chance(0.5)} if dice.chance(0.7) else {}
+
+        if dice.chance(0.5):
+            pile["added_mass"] = dice.number(0.1, 1.2)
+            pile |= {"axial_added_mass": dice.number(0.1, 1.0)} if dice.chance(0.6) else {}
+
+
+def ask(dice, data):
+    """Maybe how high the sea is at bodies and markers."""
+    if "waves" in data.get("sea", {}):
+        for body in data["body"].values():
+            for frame in (body, *body.get("marker", {}).values()):
+                if dice.chance(0.3):
+                    frame["output"] = [*frame.get("output", []), "elevation"]
+
+
 def _memory(dice):
     """Of waves made."""
     way = dice.pick(["error", "states", "file", True, False])
