@@ -63,6 +63,18 @@ def test_random_systems(file, seed):
     assert errors[0] / errors[1] == pytest.approx(4, rel=0.15)
 
 
+@pytest.mark.parametrize("seed", range(10, 14))
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_random_systems_at_every_order(file, seed, order):
+    """Two to eight blocks, all at once and one after another in turn, inputs continued by polynomials: the error falls as theory
+    says.
+    """
+    blocks = Blocks.random(file, seed)
+    options = {"method": ("jacobi", "gauss-seidel")[seed % 2], "order": order}
+    errors = [blocks.error(blocks.system(**options).simulate(0.64, H)) for H in (0.01, 0.005)]
+    assert errors[0] / errors[1] == pytest.approx(2 ** (order + 1), rel=0.2)
+
+
 def test_a_force_that_depends_on_its_own_acceleration(file):
     """F = 1e5 - 2 a with a = F/m, m = 1 kg: consistent is F = 1e5/3, though passes around the loop would grow."""
     system = System(
