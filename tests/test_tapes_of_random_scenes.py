@@ -79,7 +79,8 @@ def judge(seed, folder):
 
         size = max(nominal[k], abs(x[k]))
         shown, doubt = best(moved, size)
-        scale = largest + 0.1 * np.abs(moved(0.0)) / size
+        # below 1e-14 of their units are zeros and their rounding
+        scale = largest + 0.1 * np.abs(moved(0.0)) / size + 1e-6
         sure = doubt < 1e-9 * scale
         known += int(sure.sum())
         wrong += [
