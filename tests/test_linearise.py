@@ -448,3 +448,16 @@ def test_a_stop_just_touched_is_a_kink(upper, kink):
     assert bool(linear.error > 0.1) is kink
     assert any("a kink" in text for text in linear.notices) is kink
     assert kink or abs(linear.stiffness[0, 0] / 9.81 - 1) < 1e-14
+
+
+def test_the_command_shows_the_shapes_swinging(tmp_path, capsys):
+    """A page of both modes of a double pendulum, one after the other; the picture; the table."""
+    from mbdfmi.cli import main
+
+    scene = mbdfmi.__path__[0] + "/../models/double_pendulum.toml"
+    page, picture = tmp_path / "shapes.html", tmp_path / "shapes.png"
+    assert main(["modes", scene, "--at", "equilibrium", "--view", str(page)]) == 0
+    assert "0.426553" in capsys.readouterr().out
+    assert page.stat().st_size > 100_000
+    assert main(["modes", scene, "--at", "equilibrium", "--mode", "2", "--view", str(picture)]) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
