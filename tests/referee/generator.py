@@ -47,7 +47,7 @@ RANGES = {"part": (1.0, 0.2, 0.0), "none": (0.0, 0.05)}
 
 # loops that find their place less often than others
 SELDOM = {
-    "constant_velocity": 12.0,
+    "constant_velocity": 20.0,
     "frame_on_curve": 3.0,
     "frame_on_surface": 6.0,
     "curve_on_curve": 2.5,

@@ -10,7 +10,7 @@ CLOSING = {
     "surface_on_surface": 1,
     "rolling_surface": 1,
     "driven point_on_curve": 1.1,
-    "driven frame_on_curve": 1.6,
+    "driven frame_on_curve": 2.2,
 }
 FROM_START = ("constant_speed", "hold", "speed_table", "input")
 COORDINATES = ("x", "y", "z", "yaw", "pitch", "roll")
