@@ -73,7 +73,7 @@ def told(model):
         real = xml.find("Real")
         causality = "local" if v.causality in ("state", "rate", "indicator") else v.causality
 
-        if xml.get("causality") != causality or real is None or real.get("unit") != v.unit:
+        if xml.get("causality", "local") != causality or real is None or real.get("unit") != v.unit:
             wrong(
                 v.name, f"{xml.get('causality')} in {real.get('unit')}; the model: {v.causality} in {v.unit}"
             )
