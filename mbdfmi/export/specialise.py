@@ -21,7 +21,7 @@ from ..run.instance import Instance, SimulationError
 from ..trace.graph import Untraceable
 from ..trace.plain import plain_function
 from ..trace.projecting import trace_projection
-from ..trace.specialise import Traced, trace_jacobian, trace_rates
+from ..trace.specialise import Traced, trace_jacobian, trace_outputs, trace_rates
 from . import header, link
 from .core import core
 
@@ -45,13 +45,19 @@ PROJECTION, JACOBIAN = plain_function(projection.project), plain_function(jacobi
 MOST_FAILING = 0.25
 """Part of these states in which a guard may fail."""
 
+_SECTIONS = ("-ffunction-sections", "-fdata-sections")
 _NO_UNWINDING = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 
-FLAGS = ("-O3", "-fno-math-errno", *_NO_UNWINDING)
-"""Of the compiler: square roots without a look at `errno`, no tables for exceptions, which C has none of."""
+FLAGS = ("-O3", "-fno-math-errno", *_SECTIONS)
+"""Of the compiler: square roots without a look at `errno`, each function by itself."""
 
-WRAPPER_FLAGS = ("-Os", *_NO_UNWINDING)
+WRAPPER_FLAGS = ("-Os", *_SECTIONS)
 """Of the compiler, for the wrapper, whose time does not count."""
+
+SMALL = {".so": (*_NO_UNWINDING, "-Wl,--gc-sections"), ".dylib": (*_NO_UNWINDING, "-Wl,-dead_strip")}
+"""By the ending of a library: no tables for exceptions, which C has none of (on Windows its own library has), and
+nothing that nobody calls.
+"""
 
 
 @dataclass(frozen=True)
@@ -98,6 +104,7 @@ def _worth(instance):
     """What is traced for a scene, in words, and by what."""
     found = {"x' = f": trace_rates}
     found |= {"the projection": trace_projection} if instance.m.n_row else {}
+    found |= {"outputs": trace_outputs} if instance.model.n_y else {}
     return found | ({"the Jacobian": trace_jacobian} if instance.m.n_jacobian else {})
 
 
@@ -172,7 +179,7 @@ def scene_library(
     text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
     digest = hashlib.sha256(
-        "\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS]).encode()
+        "\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS, *WRAPPER_FLAGS]).encode()
     ).hexdigest()[:20]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
 
@@ -182,6 +189,7 @@ def scene_library(
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             source = Path(name) / "scene.c"
             source.write_text(text, encoding="utf-8")
-            link.link(PLATFORMS[platform], [source], file, table, FLAGS, WRAPPER_FLAGS, fmi)
+            less = SMALL.get(PLATFORMS[platform].suffix, ())
+            link.link(PLATFORMS[platform], [source], file, table, FLAGS + less, WRAPPER_FLAGS + less, fmi)
 
     return path
