@@ -43,6 +43,8 @@ def core(model, traced: Sequence[Traced] = ()) -> str:
     traced : kernels that their traces stand for; those that the scene calls are written.
     """
     program = Program(model.ints, {each.kernel: each.name for each in traced})
+    # under the names that traces call them by, before kernels do
+    searches.called(program, searches.FUNCTIONS_OF)
     entries = [program.add(plain_function(kernel), _arguments(kernel)) for kernel in ENTRIES.values()]
     names = {kernel: program.replaced.get(plain_function(kernel)) for kernel in ENTRIES.values()}
     called = [names[kernel] or function.name for kernel, function in zip(ENTRIES.values(), entries)]

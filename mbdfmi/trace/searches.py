@@ -22,6 +22,9 @@ FUNCTIONS: dict[str, tuple] = {
 
 _CALLED_BY = {"interval": "left_knot", "eccentric_anomaly": "eccentric_anomaly"}
 
+FUNCTIONS_OF = tuple(_CALLED_BY)
+"""The operations that they are."""
+
 
 def called(program: Program, calls: Iterable[str]) -> list[Function]:
     """The loops that some operations are, as functions of a program in C under their names."""
