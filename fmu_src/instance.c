@@ -557,12 +557,13 @@ static void tell_generic_evaluations(Instance *c)
 {
     double generic = c->work[c->ints[AT_generic_evaluations]];
     double all = *in_state(c, AT_evaluations);
+    const double *calls = c->work + c->ints[AT_generic_calls];
 
     if (*mbdfmi_only_guid)
         log_tell(&c->log, STATUS_OK,
                  "of %.0f evaluations %.0f were left by the kernel traced for the scene to the "
-                 "generic one",
-                 all, generic);
+                 "generic one, and %.0f projections, %.0f Jacobians, %.0f sets of outputs",
+                 all, generic, calls[0], calls[1], calls[2]);
 }
 
 Status instance_terminate(Instance *c)

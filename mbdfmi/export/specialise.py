@@ -54,10 +54,8 @@ FLAGS = ("-O3", "-fno-math-errno", *_SECTIONS)
 WRAPPER_FLAGS = ("-Os", *_SECTIONS)
 """Of the compiler, for the wrapper, whose time does not count."""
 
-SMALL = {".so": (*_NO_UNWINDING, "-Wl,--gc-sections"), ".dylib": (*_NO_UNWINDING, "-Wl,-dead_strip")}
-"""By the ending of a library: no tables for exceptions, which C has none of (on Windows its own library has), and
-nothing that nobody calls.
-"""
+UNCALLED = {".so": "-Wl,--gc-sections", ".dylib": "-Wl,-dead_strip"}
+"""Of the linker, by the ending of a library: nothing that nobody calls."""
 
 
 @dataclass(frozen=True)
@@ -189,7 +187,11 @@ def scene_library(
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             source = Path(name) / "scene.c"
             source.write_text(text, encoding="utf-8")
-            less = SMALL.get(PLATFORMS[platform].suffix, ())
-            link.link(PLATFORMS[platform], [source], file, table, FLAGS + less, WRAPPER_FLAGS + less, fmi)
+            suffix = PLATFORMS[platform].suffix
+            # tables for exceptions, which C has none of: on Windows its own library has
+            less = _NO_UNWINDING if suffix in UNCALLED else ()
+            linked = (UNCALLED[suffix],) if suffix in UNCALLED else ()
+            flags = (*WRAPPER_FLAGS, *less, *linked)
+            link.link(PLATFORMS[platform], [source], file, table, (*FLAGS, *less), flags, fmi)
 
     return path

@@ -144,7 +144,7 @@ def trace_jacobian(instance) -> Traced:
     one, zero = graph.constant(1.0), graph.constant(0.0)
     columns = forward(graph, rates_of_x, [{graph.leaf(("state", j), 0.0): one} for j in places(model, "x")])
     found = {(i, j): k for j, column in enumerate(columns) for i, k in enumerate(column) if k is not None}
-    at = _elements(m)
+    at = elements(m)
 
     if not found.keys() <= at.keys():
         raise Untraceable("x' depends on states that the structure of its Jacobian does not know of")
@@ -164,7 +164,7 @@ def trace_jacobian(instance) -> Traced:
     )
 
 
-def _elements(m):
+def elements(m):
     """(row, column) of J -> where it stands in `jacobian`, of all that differences find."""
     found = {}
 
