@@ -72,9 +72,9 @@ def host(tmp_path_factory):
 
         if not program.exists():
             target = PLATFORMS[platform].target
-            zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-std=c99", "-O1"]
+            # flags of the FMU's library: others would build the platform's C library anew, some hundred files
+            zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-std=c99", "-O2", "-s"]
             files = [f"-I{standard.folder() / 'c-code'}", HERE / "platform_host.c", "-o", program]
-            # where zig has built the platform's C library for the FMU
             kept = os.environ | {"ZIG_GLOBAL_CACHE_DIR": str(cache_directory() / "zig")}
             subprocess.run([*zig, *map(str, files)], check=True, env=kept)
 
