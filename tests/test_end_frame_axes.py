@@ -390,3 +390,48 @@ def test_a_curve_that_moves_within_its_body(formulation):
     effort = 1.3 * (push - 0.5 * (np.sin(angle) * faster + np.cos(angle) * rate**2))
     assert_near(results["shake.effort"], effort, 1e-9)
     assert np.ptp(angle) > 0.05
+
+
+OPEN = {"points": [[0.0, 0.0], [1.0, 0.3], [2.0, 0.2], [3.0, 0.9]], "s": [0.0, 1.0, 2.0, 3.0]}
+
+
+def held(kind, shape, s, **solver):
+    """A body held to a frame on a curve or surface of the ground, with nothing else that acts."""
+    return Scene.model_validate({
+        "name": "held", "gravity": [0, 0, 0], "solver": {"tolerance": 1e-10} | solver, "output": ["kinetic_energy"],
+        "ground": {"marker": {"m": shape}},
+        "body": {"b": {"mass": 2.0, "inertia": [0.3, 0.4, 0.5]}},
+        "joint": {
+            "free": {
+                "free": {}, "between": ["ground", "b"],
+                "start": {"position": [1.6, 0.25, 0.0], "velocity": [1.0, 0.0, 0.0]},
+            },
+            "way": {kind: {}, "between": ["ground.m", "b"], "start": {"s": s}, "output": ["s"]},
+        },
+    })  # fmt: skip
+
+
+@formulations
+@pytest.mark.parametrize("surface", [False, True])
+def test_a_frame_stops_turning_where_its_curve_ends(formulation, surface):
+    """Nothing pushes its origin there: its speed stays, and what it loses is the energy of its turning (about its y)."""
+    shape = {"curve": {"spline": OPEN}}
+    shape = {"surface": {"prism": {"profile": shape["curve"]}}} if surface else shape
+    kind, s = ("frame_on_surface", [1.6, 0.0]) if surface else ("frame_on_curve", 1.6)
+    results = held(kind, shape, s, formulation=formulation).simulate(4.0, 0.02)
+    spline = CubicSpline(OPEN["s"], OPEN["points"])
+    (x, y), (xx, yy) = spline(3.0, 1), spline(3.0, 2)
+    bend = (x * yy - y * xx) / np.hypot(x, y) ** 3
+    energy, way = results["kinetic_energy"], results["way.s[1]" if surface else "way.s"]
+    before, after = way < 3.0, way > 3.0
+    assert before.sum() > 20 and after.sum() > 20
+    assert energy[before] == pytest.approx(energy[0], rel=1e-7)
+    assert energy[after] == pytest.approx(energy[0] * 2.0 / (2.0 + 0.4 * bend**2), rel=1e-7)
+
+
+def test_solvers_outside_stop_where_the_profile_of_a_prism_ends():
+    model = compile_scene(
+        held("frame_on_surface", {"surface": {"prism": {"profile": {"spline": OPEN}}}}, [1.6, 0.0])
+    )
+    kinks = [v.name for v in model.exchanged if "to_kink" in v.name]
+    assert kinks == ["way.'s[1]'.to_kink_above", "way.'s[1]'.to_kink_below"]

@@ -1,14 +1,19 @@
 """Files of coefficients: one body as WAMIT, capytaine, BEMIO and NEMOH write it; models of radiation in states."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scenes import assert_near
 from test_hydrodynamics import INFINITE, RHO, G, exciting, files, response
 
+from mbdfmi.hydro import memory as memories
 from mbdfmi.hydro.memory import Kernel, fit
 from mbdfmi.hydro.reading import read_coefficients, read_states
 
 h5py = pytest.importorskip("h5py")
+
+WATER = Path(__file__).parent / "referee" / "water"
 
 OMEGA = np.linspace(0.1, 4.0, 40)
 HEADINGS = np.radians([0.0, 30.0, 60.0, 90.0])
@@ -297,3 +302,26 @@ def test_irregular_frequencies_do_not_stop_a_fit(tmp_path):
     assert memory.error < 0.02
     H = memory.response(np.linspace(0.01, 20, 400))[:, 2, 2]
     assert H.real.min() > -1e-5 * H.real.max()
+
+
+def test_few_states_are_for_the_strongest_ways(monkeypatch):
+    """Of a body whose waves couple sway, roll and yaw: passive, and better the more states, where Kung's poles of all
+    three would leave nothing. What is missed is the largest error of H, the ways that are left out too.
+    """
+    coefficients, _ = read_coefficients(WATER / "body.1", 5.0, G).checked()
+    samples = memories._sampled(Kernel(coefficients), coefficients.omega)
+    monkeypatch.setattr(memories, "_sampled", lambda *_: samples)
+    omega, H = samples[2:]
+    scale = np.sqrt(coefficients.damping.diagonal(axis1=1, axis2=2).max(axis=0))
+    missed = []
+
+    for states in (2, 4, 6):
+        memory = fit(coefficients, states=states)
+        assert [n for _, n in memory.orders] == 3 * [states]
+        found = memory.response(np.geomspace(1e-2, 100, 500)) / np.outer(scale, scale)
+        assert np.linalg.eigvalsh(found + found.conj().transpose(0, 2, 1)).min() > -1e-5
+        off = np.abs(memory.response(omega) - H) / np.outer(scale, scale)
+        assert off.max() == pytest.approx(memory.error, rel=0.1)
+        missed.append(memory.error)
+
+    assert missed[0] < 0.7 and missed[1] < 0.4 and missed[2] < 0.03

@@ -72,8 +72,10 @@ def _watch_ends(builder, name, row, joint, shapes):
         names = [f"s[{i + 1}]" if len(units) > 1 else "s" for i in range(k, k + count)]
         sources = [Source(outputs.CONTACT_S, row, i) for i in range(k, k + count)]
 
-        if shape == "curve" and _ends(builder.scene.marker(end).curve):
-            first = builder.tables["n_curve"].columns["curve_table"][index].item()
+        curve = _open_spline(builder, shape, index, end)
+
+        if curve >= 0:
+            first = builder.tables["n_curve"].columns["curve_table"][curve].item()
             builder.watch(dotted(name, names[0]), units[k], sources[0], first, first + 1, first + 2)
         elif shape == "surface" and builder.scene.marker(end).surface.kind == "table":
             for i, table in enumerate(builder.tables["n_surface"].columns["surface_table"][index]):
@@ -82,9 +84,17 @@ def _watch_ends(builder, name, row, joint, shapes):
         k += count
 
 
-def _ends(curve):
-    """Whether a curve is a spline with ends."""
-    return hasattr(curve, "points") and not curve.closed
+def _open_spline(builder, shape, index, end):
+    """Index of the curve along a first parameter that is a spline with ends; -1 where there is none."""
+    if shape not in ("curve", "surface"):
+        return -1
+
+    curve = getattr(builder.scene.marker(end), shape)
+
+    if curve.kind == "prism":
+        curve, index = curve.profile, builder.tables["n_surface"].columns["surface_curve"][index].item()
+
+    return index if getattr(curve, "closed", True) is False else -1
 
 
 def n_normal(builder, joint):

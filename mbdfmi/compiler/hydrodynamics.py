@@ -48,8 +48,9 @@ RADIATION = (
     "damping is taken to fall, with the square of frequency below and its third power above",
 )
 
-# of a memory's peaks, where the scene asks for nothing else
+# of a memory's peaks, where the scene asks for nothing else; from which on a number of states that it asks for is told to be few
 ERROR = 0.01
+COARSE = 0.1
 
 
 def add_hydrodynamics(builder, name, force, ends):
@@ -76,6 +77,12 @@ def add_hydrodynamics(builder, name, force, ends):
         text = (
             f"the memory of {len(memory.pole)} states misses {100 * memory.error:.2g} % of a peak, not {100 * told[0]:.2g} %; it gets no "
             "more states than that"
+        )
+        builder.notice(("force", name, "hydrodynamics", "radiation"), text)
+    elif memory and told[1] and memory.error > COARSE:
+        text = (
+            f"the memory of states = {told[1]} misses {100 * memory.error:.2g} % of a peak; each motion that makes waves of its own "
+            "takes 2 or more: give more, or the error that it may have"
         )
         builder.notice(("force", name, "hydrodynamics", "radiation"), text)
 

@@ -195,9 +195,25 @@ def _fit_group(kernel, samples, group, scale, error, states):
     step = max(span / (2 * ROWS), 0.25 / kernel.top)
     K = kernel.at(step * np.arange(2 * ROWS))[np.ix_(range(2 * ROWS), group, group)] / np.outer(scale, scale)
     H = response[np.ix_(range(len(omega)), group, group)] / np.outer(scale, scale)
-    ways = _ways(H.real)
-    r = ways.shape[1]
-    K, H = ways.T @ K @ ways, ways.T @ H @ ways
+    every = _ways(H.real, len(group)).shape[1]
+
+    # each way to make waves takes two states or more: fewer states are for the strongest ways
+    for r in range(min(every, states // 2), 0, -1) if states else [every]:
+        ways = _ways(H.real, r)
+        best = _fit_ways(kernel.top, step, ways.T @ K @ ways, omega, ways.T @ H @ ways, error, states)
+
+        if best and np.isfinite(best.missed):
+            missed = best.missed if r == every else best.missed_of(ways, H)
+            return (best.A, best.B @ ways.T * scale, ways @ best.C * scale[:, None]), missed
+
+    motions = ", ".join(motion(k, kernel.B.shape[1] // 6) for k in group)
+    kind = "takes energy alone" if best else "dies out"
+    raise ValueError(f"no memory that {kind} can be fitted to the damping in {motions}; has it spikes?")
+
+
+def _fit_ways(top, step, K, omega, H, error, states):
+    """The best `_Sinks` of samples K and H, made passive; None where no pole dies out."""
+    r = K.shape[1]
     realisation = _Kung(K, step)
     most = max(MOST_STATES, MOST_A_MOTION * r)
     found = []
@@ -210,32 +226,27 @@ def _fit_group(kernel, samples, group, scale, error, states):
 
         found.append(_Sinks(A, B, omega, H))
 
-        if found[-1].missed < error and not states and found[-1].made_passive(kernel.top).missed < error:
+        if found[-1].missed < error and not states and found[-1].made_passive(top).missed < error:
             break
 
-    if not found:
-        motions = ", ".join(motion(k, kernel.B.shape[1] // 6) for k in group)
-        raise ValueError(f"no memory that dies out can be fitted to the damping in {motions}; has it spikes?")
-
-    best = _best(found, kernel.top)
-    return (best.A, best.B @ ways.T * scale, ways @ best.C * scale[:, None]), best.missed
+    return _best(found, top) if found else None
 
 
-def _ways(damping):
-    """(m, r) orthogonal: the motions by which all waves are made; all m are left as they are.
+def _ways(damping, most):
+    """(m, r) orthogonal: the motions by which all waves are made, `most` of them; all m are left as they are.
 
     Where the damping (n, m, m) makes fewer waves than there are motions, further ones would be fitted to
     rounding.
     """
     m = damping.shape[1]
     U, size, _ = np.linalg.svd(damping.transpose(1, 0, 2).reshape(m, -1), full_matrices=False)
-    r = int((size > FEWER * size[0]).sum())
+    r = min(most, int((size > FEWER * size[0]).sum()))
     return np.eye(m) if r == m else U[:, :r]
 
 
 def _best(found, top):
-    """Of some fits the passive one that misses least; to be made passive costs time, and a fit some of its
-    error.
+    """Of some fits the passive one that misses least, by infinity where none is; to be made passive costs
+    time, and a fit some of its error.
     """
     found = sorted(found, key=lambda one: one.missed)
     best = found[0].made_passive(top)
@@ -244,9 +255,6 @@ def _best(found, top):
         if one.missed >= best.missed:
             break
         best = min(best, one.made_passive(top), key=lambda one: one.missed)
-
-    if not np.isfinite(best.missed):
-        raise ValueError("no memory that takes energy alone can be fitted to the damping; has it spikes?")
 
     return best
 
@@ -329,6 +337,10 @@ class _Sinks:
 
         # largest error of H by its peak
         self.missed = float(np.abs(self.C @ self.phi - self.H).max() / self.peak)
+
+    def missed_of(self, ways, H):
+        """Largest error by its peak of an H of more motions, of which these are the ways (m, r)."""
+        return float(np.abs(ways @ self.C @ self.phi @ ways.T - H).max() / np.abs(H).max())
 
     def made_passive(self, top) -> "_Sinks":
         """These, made the nearest ones (by the fit's own error) whose H + H^* is nowhere negative, as far as

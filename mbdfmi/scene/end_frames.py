@@ -165,7 +165,8 @@ class FrameOnSurface(Undriven):
 
     Its origin stays on the surface, its z along the normal r1 x r2 (derivatives by the parameters), and its x along r1, unless it may
     spin about the normal. On a sphere or an ellipsoid x points east, which at the poles means nothing: on a sphere the spin must be free
-    there, an ellipsoid's poles cannot be passed.
+    there, an ellipsoid's poles cannot be passed. Where points end, of a table or of an open profile, it goes on straight, and the frame
+    stops turning at once: what that costs a body in energy is lost (or gained), so let them reach as far as the way does.
     """
 
     kind: ClassVar[str] = "frame_on_surface"

@@ -121,10 +121,11 @@ def gaps(run, values, data):
 
 class Integrals:
     """Simpson's integrals of a run over the intervals of the plan, each in so many steps. jumps : s,
-    where speeds jump."""
+    where speeds jump; edges : as `edges` gives them."""
 
-    def __init__(self, run, panels=PANELS, jumps=()):
+    def __init__(self, run, panels=PANELS, jumps=(), edges=()):
         self.jumps = np.array(sorted(jumps))
+        self.edges = edges
         self.run = run
         self.values = np.array(run.values)
         self.columns = groups(run.names)
@@ -153,14 +154,21 @@ class Integrals:
         return self.values[:, self.columns[name]]
 
     def is_broken(self, k):
-        """Whether speeds jump in interval k, or the rotation that a linear force or a bushing counts begins
-        anew: energy then jumps."""
+        """Whether speeds jump in interval k, at times or where a frame passes the end of its curve, or the
+        rotation that a linear force or a bushing counts begins anew: energy then jumps."""
         a, b = self.run.times[self.begins[k]], self.run.times[self.ends[k]]
 
         if np.any((self.jumps >= a - 1e-9) & (self.jumps <= b + 1e-9)):
             return True
 
         rows = slice(self.begins[k], self.ends[k] + 1)
+
+        for name, component, at in self.edges:
+            s = self.values[rows, self.columns[name][component]]
+
+            if s.min() <= at <= s.max():
+                return True
+
         turns = [
             np.diff(self.values[rows][:, c], axis=0)
             for g, c in self.columns.items()
@@ -353,3 +361,28 @@ def jumps(data):
         found |= set(time if how == "linear" else ends)
 
     return found
+
+
+def edges(scene):
+    """(name of the parameters, which, value) where frames that are held to curves and surfaces through points stop
+    turning at once, for these go on straight there."""
+    found = []
+
+    for name, joint in scene.joint.items():
+        if joint.kind == "frame_on_curve":
+            ways = [scene.marker(joint.between[0]).curve]
+        elif joint.kind == "frame_on_surface":
+            surface = scene.marker(joint.between[0]).surface
+            ways = [surface.profile] if surface.kind == "prism" else []
+            found += _both(name, [surface.s1, surface.s2] if surface.kind == "table" else [])
+        else:
+            continue
+
+        found += _both(name, [way.s for way in ways if hasattr(way, "points") and not way.closed])
+
+    return found
+
+
+def _both(name, ways):
+    """The first and the last of the values of each parameter."""
+    return [(f"{fmi_name(name)}.s", k, s[end]) for k, s in enumerate(ways) for end in (0, -1)]

@@ -67,6 +67,45 @@ def test_two_points_that_are_equal_stand_still_in_smooth_tables_alone():
     assert jumps("linear") == {0.1, 0.2, 0.3}
 
 
+def test_energy_may_jump_where_a_frame_passes_the_end_of_its_curve():
+    points = [[0.0, 0.0], [1.0, 0.3], [2.0, 0.2], [3.0, 0.9]]
+
+    def edges(kind, shape):
+        joint = {
+            "free": {"free": {}, "between": ["ground", "b"]},
+            "on": {kind: {}, "between": ["ground.m", "b"]},
+        }
+        data = {
+            "name": "x",
+            "body": {"b": {"mass": 1.0, "inertia": [1, 1, 1]}},
+            "joint": joint,
+            "ground": {"marker": {"m": shape}},
+        }
+        return laws.edges(Scene.model_validate(data))
+
+    curve = {"spline": {"points": points, "s": [-1.0, 0.0, 1.0, 2.0]}}
+    assert edges("frame_on_curve", {"curve": curve}) == [("on.s", 0, -1.0), ("on.s", 0, 2.0)]
+    assert edges("frame_on_curve", {"curve": {"spline": {"points": points, "closed": True}}}) == []
+    assert edges("frame_on_curve", {"curve": {"circle": {"radius": 1.0}}}) == []
+    assert edges("point_on_curve", {"curve": curve}) == []
+    assert len(edges("frame_on_surface", {"surface": {"prism": {"profile": curve}}})) == 2
+    grid = [[[x, y, x * x * y] for y in range(4)] for x in range(4)]
+    table = {"s1": [0, 1, 2, 3], "s2": [0, 1, 2, 4], "points": grid}
+    assert edges("frame_on_surface", {"surface": {"table": table}})[2:] == [
+        ("on.s", 1, 0),
+        ("on.s", 1, 4),
+    ]
+
+    # only the interval in which it does so
+    rows = [[s, 1.0] for s in (1.0, 1.5, 1.9, 1.9, 2.1, 2.5)]
+    run = SimpleNamespace(
+        names=["on.s", "y"], values=rows, times=[0.0, 0.1, 0.2, 0.2, 0.3, 0.4], phases=[0, 0, 0, 1, 0, 0]
+    )
+    found = laws.Integrals(run, 2, edges=[("on.s", 0, 2.0)])
+    found.begins, found.ends = np.array([0, 3]), np.array([2, 5])
+    assert [found.is_broken(k) for k in range(2)] == [False, True]
+
+
 # what is not determined
 
 

@@ -128,15 +128,8 @@ def test_what_must_come_of_a_scene(change, verdict):
     assert [finding.verdict for finding in mended.findings(DATA, wanted | change, judged)] == [verdict]
 
 
-JUMPS = pytest.mark.xfail(
-    reason="its energy jumps at 1.48 s: a frame on a curve, a point on a surface, a stop"
-)
-
-
 @pytest.mark.skipif(INTERPRETED, reason="takes minutes with interpreted kernels")
-@pytest.mark.parametrize(
-    "seed", [pytest.param(seed, marks=JUMPS) if seed == 2014 else seed for seed in range(2000, 2024)]
-)
+@pytest.mark.parametrize("seed", range(2000, 2024))
 def test_small_random_scenes_stand(seed):
     """Three bodies or so, in all ways but interpreted: about 2.5 s each."""
     assert judge(draw(seed, size=3), seed).findings == []

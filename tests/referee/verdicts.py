@@ -223,7 +223,7 @@ def _unbalanced(data, scene, plan, way, of, count):
         count.add("no balance")
         return []
 
-    integrals = laws.Integrals(found, way.pattern[1], laws.jumps(data))
+    integrals = laws.Integrals(found, way.pattern[1], laws.jumps(data), laws.edges(scene))
     unbalanced = laws.courses(integrals, count)
 
     if not laws.bed_moves(data):

@@ -100,7 +100,7 @@ def _harmonic(dice, angular, size, q):
         dice.number(0.2, 1.5),
         float(dice.pick(range(-180, 181, 15))) if dice.chance(0.7) else 0.0,
     )
-    keys, mean = _mean(dice, angular, q if dice.chance(0.7) else None)
+    keys, mean = _mean(dice, angular, q if dice.chance(0.7 if angular else 0.9) else None)
     w, p = 2 * np.pi * frequency, np.radians(phase)
     table = (
         {f"amplitude{unit}": given, "frequency": frequency} | ({"phase_deg": phase} if phase else {}) | keys
