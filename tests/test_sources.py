@@ -126,6 +126,99 @@ def test_nothing_is_allocated_and_no_stack_is_without_bound(tmp_path):
     assert sum(int(size) for _, size, _ in frames) < 64 * 1024  # were each below the other
 
 
+TWO = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "fmi2FunctionTypes.h"
+
+#define CALLS(model) \\
+    fmi2Component model##_fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, \\
+                                          const fmi2CallbackFunctions *, fmi2Boolean, fmi2Boolean); \\
+    fmi2Status model##_fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real); \\
+    fmi2Status model##_fmi2EnterInitializationMode(fmi2Component); \\
+    fmi2Status model##_fmi2ExitInitializationMode(fmi2Component); \\
+    fmi2Status model##_fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean); \\
+    fmi2Status model##_fmi2GetReal(fmi2Component, const fmi2ValueReference *, size_t, fmi2Real *);
+#define RUN(model, guid, folder, output) \\
+    {{ \\
+        const fmi2ValueReference at = output; \\
+        double y = 0.0; \\
+        fmi2Component c = model##_fmi2Instantiate("one", fmi2CoSimulation, guid, folder, &callbacks, 0, 0); \\
+        if (!c || model##_fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) || model##_fmi2EnterInitializationMode(c) || \\
+            model##_fmi2ExitInitializationMode(c)) return 1; \\
+        for (int k = 0; k < 20; k++) if (model##_fmi2DoStep(c, 0.01 * k, 0.01, 1)) return 2; \\
+        if (model##_fmi2GetReal(c, &at, 1, &y)) return 3; \\
+        printf("%.17g\\n", y); \\
+    }}
+
+CALLS(four_bar)
+CALLS(pendulum)
+
+static void say(fmi2ComponentEnvironment e, fmi2String i, fmi2Status s, fmi2String c, fmi2String m, ...)
+{{
+    (void)e, (void)i, (void)s, (void)c, (void)m;
+}}
+
+int main(void)
+{{
+    const fmi2CallbackFunctions callbacks = {{say, calloc, free, 0, 0}};
+
+    RUN(four_bar, {guids[0]}, {folders[0]}, {outputs[0]})
+    RUN(pendulum, {guids[1]}, {folders[1]}, {outputs[1]})
+    return 0;
+}}
+"""
+
+
+def prefixed_headers(folder):
+    """Headers that add FMI2_FUNCTION_PREFIX to names, as FMI's own do (2.1.1); those of fmpy were changed not to."""
+    for path in HEADERS.glob("fmi2*.h"):
+        text = path.read_text()
+        plain = "#define fmi2FullName(name) name"
+        pasted = "#define PASTE(a, b) a##b\n#define PASTED(a, b) PASTE(a, b)\n"
+        assert path.name != "fmi2Functions.h" or plain in text
+        text = text.replace(plain, f"{pasted}#define fmi2FullName(name) PASTED(FMI2_FUNCTION_PREFIX, name)")
+        (folder / path.name).write_text(text)
+    return folder
+
+
+def test_two_of_them_go_into_one_program(fmus, tmp_path):
+    """Names of their functions begin with those of the models, as FMI asks, and so do all others that files share."""
+    if not shutil.which("gcc"):
+        pytest.skip("gcc is not installed")
+
+    (tmp_path / "headers").mkdir()
+    headers = prefixed_headers(tmp_path / "headers")
+    paths = [Path(fmus(2)), scene("pendulum", "rk4").export(tmp_path / "pendulum.fmu", with_sources=True)]
+    objects, said, expected = [], {"guids": [], "folders": [], "outputs": []}, []
+
+    for path in paths:
+        folder = Path(fmpy.extract(str(path), str(tmp_path / path.stem)))
+        described = fmpy.read_model_description(str(folder))
+        name = described.coSimulation.modelIdentifier
+        output = next(v for v in described.modelVariables if v.causality == "output")
+        includes = [f"-DFMI2_FUNCTION_PREFIX={name}_", f"-I{folder / 'sources'}", "-isystem", str(headers)]
+
+        for file in sources.compiled(2):
+            objects.append(tmp_path / f"{name}_{file}.o")
+            command = ["gcc", "-O1", "-std=c99", *includes, "-c", str(folder / "sources" / file), "-o"]
+            subprocess.run([*command, str(objects[-1])], check=True)
+
+        said["guids"].append(f'"{described.guid}"')
+        said["folders"].append(f'"{(folder / "resources").as_uri()}"')
+        said["outputs"].append(output.valueReference)
+        run = fmpy.simulate_fmu(
+            str(path), stop_time=0.2, output_interval=0.01, fmi_type="CoSimulation", output=[output.name]
+        )
+        expected.append(run[output.name][-1])
+
+    (tmp_path / "two.c").write_text(TWO.format(**said))
+    command = ["gcc", "-std=c99", "-isystem", str(headers), "two.c", *map(str, objects), "-lm", "-o", "two"]
+    subprocess.run(command, check=True, cwd=tmp_path)
+    told = subprocess.run([str(tmp_path / "two")], check=True, capture_output=True, text=True).stdout
+    np.testing.assert_allclose([float(line) for line in told.split()], expected, rtol=1e-12, atol=1e-12)
+
+
 def test_a_function_that_calls_itself_is_refused():
     program = Program()
     function = program.add(plain_function(algebra.dot), [shapes.Tuple(None, (shapes.ANY_REAL,) * 3)] * 2)
