@@ -13,6 +13,7 @@ import pytest
 from fmu_host import ERROR, OK, Instance, Library
 
 from mbdfmi.compiler import model as compiler
+from mbdfmi.compiler.model import SEALED_SIZES, sealed
 from mbdfmi.compiler.variables import TABLE
 from mbdfmi.export import aot, description, export_fmu, header, link
 from mbdfmi.export.resource import GUID_SIZE, SIZES, VERSION, resource
@@ -179,9 +180,10 @@ START = 8 * len(SIZES) + GUID_SIZE
 
 def resealed(body):
     """A resource file of this body, with the GUID and the checksum that go with it."""
-    ints, reals, _, _, u, _, variables = struct.unpack_from("<7q", body)
-    start, end = START, START + 8 * (ints + reals + u + 3 * variables) + 32
-    h = hashlib.sha256(body[:56] + body[start:end]).hexdigest()
+    n = dict(zip(SEALED_SIZES, struct.unpack_from(f"<{len(SEALED_SIZES)}q", body), strict=True))
+    numbers = n["ints"] + n["reals"] + n["u"] + 3 * n["variables"] + n["survey_ints"] + n["survey_reals"]
+    start, end = START, START + 8 * numbers + 32
+    h = hashlib.sha256(body[: 8 * len(n)] + body[start:end]).hexdigest()
     guid = f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
     body = body[: 8 * len(SIZES)] + guid.encode().ljust(GUID_SIZE, b"\0") + body[start:]
     return b"mbdfmi\0\1" + struct.pack("<IIQ", VERSION, zlib.crc32(body), len(body)) + body, guid
@@ -219,8 +221,7 @@ def test_a_broken_tape_is_refused_or_harmless(model, library, tmp_path):
     """Bits flipped in what derivatives are found by, with a checksum that agrees: a message, or numbers, whichever."""
     line = tape(model)
     body = resource(model, status.MESSAGES, line)[24:]
-    numbers = 8 * (len(model.ints) + len(model.reals) + model.n_u + 3 * len(model.listed)) + 32
-    first, rng, refused = START + numbers, np.random.default_rng(6), 0
+    first, rng, refused = START + len(sealed(model)[1]), np.random.default_rng(6), 0
     kinds = [v.causality for v in model.listed]
     mass = next(k for k, v in enumerate(model.listed) if v.name.endswith(".mass"))
     keys = [(c_uint * 1)(k) for k in (kinds.index("output"), kinds.index("input"), mass)]

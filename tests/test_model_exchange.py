@@ -420,8 +420,8 @@ def test_refusals(pendulum):
     assert fmu.call("fmi2SetTime", c_double(float("inf"))) == ERROR
     assert fmu.call("fmi2GetDerivatives", None, c_size_t(2)) == ERROR
     assert fmu.call("fmi2CompletedIntegratorStep", 1, None, None) == ERROR
-    state = next(v.derivative for v in pendulum.variables.values() if v.derivative)
-    assert fmu.set({state.name: 1.0}) == ERROR and "is calculated and cannot be set" in fmu.message
+    rate = next(v for v in pendulum.variables.values() if v.derivative)
+    assert fmu.set({rate.name: 1.0}) == ERROR and "is calculated and cannot be set" in fmu.message
     parameter = next(v.name for v in pendulum.variables.values() if v.variability == "tunable")
     value = fmu.value(parameter)
     assert fmu.set({parameter: value}) == ERROR and "in event mode only" in fmu.message
