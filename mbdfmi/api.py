@@ -148,7 +148,8 @@ class Scene(_scene.SceneData):
             found = resting(model, start, asked)
         except NoEquilibrium as error:
             asks = '[solver] start = "equilibrium"' if asked else "at_rest (--at-rest)"
-            raise NoEquilibrium(f"{f'{self._file}: ' if self._file else ''}{asks}: {error}") from None
+            place = f"{self._file}: " if self._file else ""
+            raise NoEquilibrium(f"{place}{asks}: {error}; without it a run starts as written") from None
 
         offering, there, notices = found
 

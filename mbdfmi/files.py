@@ -180,3 +180,11 @@ def _is_number(text):
     except ValueError:
         return False
     return True
+
+
+def save_figure(figure, path: str | os.PathLike, dpi: int = 110) -> None:
+    """A figure of matplotlib in a file, whole or not at all: png, svg or pdf by its ending, else png."""
+    kind = Path(path).suffix.lstrip(".").lower() or "png"
+
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=dpi, format=kind)

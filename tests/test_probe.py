@@ -22,7 +22,7 @@ from mbdfmi.scene import read_scene
 
 HERE = Path(__file__).parent
 SCENE = HERE.parent / "models" / "two_link_arm.toml"
-UNSEEN = {"starts_as_told", "watches_events"}
+UNSEEN = {"starts_as_told", "watches_events", "tells_times_of_events", "tells_changes"}
 """What there is nothing to ask about where states follow from parameters, and nothing stops."""
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>

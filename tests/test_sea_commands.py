@@ -52,6 +52,11 @@ def test_what_feels_no_waves_and_periods_that_nobody_knows_are_told(database, tm
     with pytest.raises(ValueError, match="nothing in it feels waves"):
         rao(scene, [1.0])
     found = rao(afloat(database, outputs=[]), [0.01, 1.0])
+    assert not any("linear answers say little" in text for text in found.notices)
+    slack = afloat(database, outputs=[])
+    slack.body["hull"].output = ["zyx"]
+    slack.force["hold"].linear.stiffness = (STIFF * 1e-6).tolist()
+    assert any("linear answers say little" in text for text in rao(slack, [0.05]).notices)
     assert any("excitation is known for periods from 0.5236 to 157.1 s" in text for text in found.notices)
     path = tmp_path / "scene.toml"
     path.write_text(afloat(database, outputs=[]).to_toml())
@@ -115,6 +120,12 @@ def test_lines_are_those_of_the_run_and_their_shape_leads_to_its_ends():
     assert_near(found.force[middle], 0.0, 1e-3)
     assert (np.diff(found.force) > 0.0).all()
 
+    # the slope is that of the start, however far the curve is drawn
+    slopes = [moorings(scene, offset).stiffness for offset in (0.1, 33.0, 500.0)]
+    near = moorings(scene, 0.1)
+    assert_near(slopes, (near.force[-1] - near.force[0]) / 0.2, 1e-4 * slopes[0])
+    assert slopes[0] == slopes[1] == slopes[2]
+
 
 def test_a_line_that_hangs_between_bodies_has_its_weight():
     scene = moored(bed=False, length=345.0)
@@ -150,7 +161,11 @@ def test_commands_tell_and_draw(tmp_path, capsys):
     assert main(["sea", str(path), "--plot", out[2]]) == 0
     assert is_image(out[0]) and is_image(out[2])
     assert main(["moorings", str(path), "--offset", "-3"]) == 1
-    assert "needs an offset above 0 m" in capsys.readouterr().err
+    assert "--offset -3: needs a length above 0 m" in capsys.readouterr().err
+    assert main(["moorings", str(path), "--direction", "nan"]) == 1
+    assert "--direction nan: needs an angle" in capsys.readouterr().err
+    assert main(["sea", str(path), "--plot", str(tmp_path / "new" / "sea.png")]) == 0
+    assert is_image(tmp_path / "new" / "sea.png") and "it is made for sea.png" in capsys.readouterr().err
     scene["force"] = {}
     path.write_text(Scene.model_validate(scene).to_toml())
     assert main(["moorings", str(path)]) == 1

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..compiler.model import compile_scene
 from ..compiler.variables import array_of
-from ..files import replacing
+from ..files import replacing, save_figure
 from ..kernels import entry
 from ..kernels.language import INTERPRETED
 from ..kernels.status import OK
@@ -186,8 +186,7 @@ class Comparison:
         Results.check_plot(path)
         from .comparison_plot import figure_of
 
-        with replacing(path) as temporary:
-            figure_of(self).savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
+        save_figure(figure_of(self), path, dpi=130)
 
         return Path(path)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import scipy  # which imports its parts when they are asked for
 
-from ..files import check_ending, replacing
+from ..files import check_ending, save_figure
 from .linear import about
 from .manifold import AUTO, Manifold
 from .places import AT_REST, START, mechanism_of, rests, state_at
@@ -82,8 +82,7 @@ class Locus:
         parts.grid(alpha=0.3)
         figure.suptitle(self.title)
 
-        with replacing(path) as temporary:
-            figure.savefig(temporary, format=path.suffix[1:].lower() or "png", dpi=150)
+        save_figure(figure, path, dpi=150)
 
         return path
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import save_figure
 from .moorings import Moorings
 
 # lines that a legend names
@@ -57,5 +58,5 @@ def draw_moorings(path, found: Moorings, title="", direction=0.0) -> Path:
     for axes in (plan, side, tension, force):
         axes.grid(alpha=0.3)
 
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     return Path(path)

@@ -13,6 +13,9 @@ from ..scene.ends import stands_still
 
 POINTS = 60
 
+# of the longest line: by so much both ways the slope of the force is found
+STRIDE = 1e-5
+
 
 @dataclass(frozen=True)
 class MooringLine:
@@ -39,12 +42,14 @@ class MooringLine:
 @dataclass(frozen=True)
 class Moorings:
     """lines : at the start. offsets : (n,) m. force : (n,) N, of all lines on what they hold, against the
-    offset; tension : (n, lines) N, at their upper ends. notices : of the scene and its start.
+    offset; stiffness : N/m, its slope at the start; tension : (n, lines) N, at their upper ends. notices : of
+    the scene and its start.
     """
 
     lines: list[MooringLine]
     offsets: np.ndarray
     force: np.ndarray
+    stiffness: float
     tension: np.ndarray
     notices: list[str]
 
@@ -62,13 +67,21 @@ def moorings(scene: SceneData, offset: float, direction: float = 0.0, points: in
     instance = Instance(compile_scene(scene))
     instance.outputs()
     along = np.array([np.cos(direction), np.sin(direction), 0.0])
-    offsets = np.linspace(-offset, offset, points)
-    there = [[_line(instance, scene, k, name, x * along) for k, name in enumerate(names)] for x in offsets]
     held = [not stands_still(scene.force[name].between[1]) for name in names]
-    force = [-sum(line.force @ along for line, holds in zip(lines, held) if holds) for lines in there]
+
+    def lines_at(x):
+        return [_line(instance, scene, k, name, x * along) for k, name in enumerate(names)]
+
+    def force_of(lines):
+        return -sum(line.force @ along for line, holds in zip(lines, held) if holds)
+
+    now, offsets = lines_at(0.0), np.linspace(-offset, offset, points)
+    there = [lines_at(x) for x in offsets]
+    force = np.array([force_of(lines) for lines in there])
     tension = np.array([[line.tension for line in lines] for lines in there])
-    now = [_line(instance, scene, k, name, np.zeros(3)) for k, name in enumerate(names)]
-    return Moorings(now, offsets, np.array(force), tension, instance.notices)
+    step = STRIDE * max(line.length for line in now)
+    stiffness = (force_of(lines_at(step)) - force_of(lines_at(-step))) / (2 * step)
+    return Moorings(now, offsets, force, float(stiffness), tension, instance.notices)
 
 
 def _line(instance, scene, k, name, moved):

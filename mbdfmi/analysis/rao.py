@@ -74,7 +74,7 @@ def rao(scene: SceneData, omega=None, direction=0.0, outputs=None, at=None) -> R
         answers[k] = linear.C @ state + load[n_seen:]
 
     units = [linear.units[name] for name in linear.outputs]
-    notices = linear.notices + _outside(omega, known)
+    notices = linear.notices + _outside(omega, known) + _large(omega, linear.outputs, units, answers)
     return Rao(omega, linear.outputs, units, answers, direction, linear.where, notices)
 
 
@@ -101,6 +101,24 @@ def _outside(omega, known):
     return [
         f"excitation is known for periods from {2 * np.pi / known[1]:.4g} to {2 * np.pi / known[0]:.4g} s; "
         "outside the nearest is taken"
+    ]
+
+
+def _large(omega, outputs, units, answers):
+    """A notice of angles of more than a radian a metre: not small, or about a rest that nobody meant."""
+    told = []
+
+    for name, unit, answer in zip(outputs, units, np.abs(answers).T):
+        k = int(np.argmax(answer))
+        if unit == "rad" and answer[k] > 1.0:
+            told.append(f"{name} by {np.degrees(answer[k]):.3g} deg at {2 * np.pi / omega[k]:.3g} s")
+
+    if not told:
+        return []
+
+    return [
+        f"a metre of wave turns {', '.join(told)}: linear answers say little there; does it rest as it "
+        "should (mbdfmi equilibrium), or is nothing there that damps?"
     ]
 
 

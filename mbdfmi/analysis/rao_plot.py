@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import save_figure
 from .rao import Rao
 
 # of the largest amplitude of a unit: what is not drawn
@@ -41,5 +42,5 @@ def draw_rao(path, found: Rao, title="") -> Path:
             axes.set_xlabel("period of the waves, s")
             axes.grid(alpha=0.3)
 
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     return Path(path)

@@ -8,7 +8,7 @@ import numpy as np
 import scipy  # which imports its parts when they are asked for
 
 from ..compiler.variables import dotted
-from ..files import check_ending, replacing
+from ..files import check_ending, save_figure
 from ..run.results import Results
 from ..scene import SceneData
 from ..scene.errors import did_you_mean, listed
@@ -142,8 +142,7 @@ class Righting:
         below.grid(alpha=0.3)
         figure.suptitle(self.title)
 
-        with replacing(path) as temporary:
-            figure.savefig(temporary, format=path.suffix[1:].lower() or "png", dpi=150)
+        save_figure(figure, path, dpi=150)
 
         return path
 

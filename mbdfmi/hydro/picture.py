@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import save_figure
 from .database import DOFS, Coefficients
 from .memory import Kernel, Memory
 
@@ -45,7 +46,7 @@ def draw_coefficients(path, coefficients: Coefficients, memory: Memory | None = 
         if axes.get_legend_handles_labels()[0]:
             axes.legend(fontsize="small")
 
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     return Path(path)
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import save_figure
 from .spectra import Components, shape
 
 # rad/s and m: components nearer, and their heights, are one
@@ -44,7 +45,7 @@ def draw_sea(path, waves: Components, spectrum=None, title="") -> Path:
 
     _draw_spectrum(axes, waves, spectrum)
     _draw_elevation(below.subplots(1, 1), waves)
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     return Path(path)
 
 

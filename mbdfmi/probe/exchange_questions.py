@@ -116,7 +116,7 @@ def watches_events(fmu: Exchanged):
 
 def tells_times_of_events(fmu: Exchanged):
     """Times of events lie ahead, and are met."""
-    return _watched(fmu, "the next event", "of time")
+    return _asked(_watched(fmu, "the next event", "of time"))
 
 
 def completes_steps(fmu: Exchanged):
@@ -129,7 +129,12 @@ def completes_steps(fmu: Exchanged):
 
 def tells_changes(fmu: Exchanged):
     """Events change states only where they say so."""
-    return _watched(fmu, "an event changes", *KINDS_OF_EVENTS)
+    return _asked(_watched(fmu, "an event changes", *KINDS_OF_EVENTS))
+
+
+def _asked(answer):
+    """An answer, or that nothing was seen that it could be about."""
+    return (ABSENT, "no event in this run") if answer == (GOOD, "0 events") else answer
 
 
 def _watched(fmu, about, *kinds):

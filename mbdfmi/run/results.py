@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..compiler.variables import array_of, hint, meant
-from ..files import check_ending, csv_table, replacing
+from ..files import check_ending, csv_table, replacing, save_figure
 from ..rotations import Rotation
 from ..scene import variable_name
 from ..scene.errors import listed
@@ -173,8 +173,7 @@ class Results(Mapping):
         self.check_plot(path)
         figure = self._figure()
 
-        with replacing(path) as temporary:
-            figure.savefig(temporary, dpi=130, format=Path(path).suffix.lstrip(".").lower())
+        save_figure(figure, path, dpi=130)
 
         return Path(path)
 

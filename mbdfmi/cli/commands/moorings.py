@@ -51,8 +51,10 @@ def run(options):
     lengths = [force.catenary.length for force in scene.force.values() if force.kind == "catenary"]
     offset = options.offset if options.offset is not None else 0.1 * max(lengths, default=1.0)
 
-    if not (0.0 < offset < np.inf and np.isfinite(options.direction)):
-        raise ValueError(f"--offset {offset:g} --direction {options.direction:g}: needs an offset above 0 m")
+    if not 0.0 < offset < np.inf:
+        raise ValueError(f"--offset {offset:g}: needs a length above 0 m")
+    if not np.isfinite(options.direction):
+        raise ValueError(f"--direction {options.direction:g}: needs an angle, deg")
 
     direction = np.radians(options.direction)
     found = moorings(scene, offset, direction)
@@ -101,6 +103,4 @@ def _tell(found):
         table.add_row(line.name, line.body, *(f"{x:.5g}" for x in numbers), f"{line.grounded:.5g}")
 
     print_table(table)
-    middle = len(found.offsets) // 2
-    stiffness = np.gradient(found.force, found.offsets)[middle]
-    out.print(f"stiffness against the offset: {stiffness:.5g} N/m")
+    out.print(f"stiffness against the offset, at the start: {found.stiffness:.5g} N/m")

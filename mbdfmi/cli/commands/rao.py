@@ -59,6 +59,9 @@ def run(options):
     if plot:
         Results.check_plot(plot)
 
+    if not np.isfinite(options.direction):
+        raise ValueError(f"--direction {options.direction:g}: needs an angle, deg")
+
     omega = 2 * np.pi / _periods(options.period)[::-1] if options.period else None
     scene = load_scene(options.scene)
 

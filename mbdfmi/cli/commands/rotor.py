@@ -141,6 +141,8 @@ def _draw(path, ratio, pitch, power, thrust):
     import numpy as np
     from matplotlib.figure import Figure
 
+    from ...files import save_figure
+
     figure = Figure(figsize=(10, 4.5), layout="constrained")
 
     for axes, values, name in zip(figure.subplots(1, 2), (power, thrust), ("C_P", "C_T")):
@@ -153,5 +155,5 @@ def _draw(path, ratio, pitch, power, thrust):
         axes.grid(alpha=0.3)
 
     axes.legend(fontsize="small", title="pitch")
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path)
     return path
