@@ -340,64 +340,88 @@ def in_oil(seed):
     """A random scene of the referee with drag on every body, that takes no part in where it rests."""
     data = generator.draw(seed, size=1 + seed % 2)
     data["solver"] = {"tolerance": 1e-7, "formulation": "recursive"}
-    scene = Scene.model_validate(data)
+    drags = {}
 
-    for name, body in scene.body.items():
+    for name, body in Scene.model_validate(data).body.items():
         mass, _, inertia = body.mass_properties()
 
         if mass > 0.0:
             drag = np.diag([3 * mass] * 3 + [3 * max(np.trace(inertia), 1e-3 * mass)] * 3)
-            scene.force[f"drag {name}"] = {
+            drags[f"drag {name}"] = {
                 "linear": {"damping": drag.tolist(), "axes": "body"},
                 "between": ["ground", name],
             }
 
-    return scene
+    return Scene.model_validate(data | {"force": data.get("force", {}) | drags})
 
 
-@pytest.mark.parametrize("seed", [1, 7, 14, 15, 16, 47, 49, 58])
+@pytest.mark.parametrize("seed", [7, 14, 15, 16, 47, 49, 58])
 def test_random_scenes_end_in_oil_where_their_equilibrium_is(seed):
-    """Loops, springs, ropes, bushings, surfaces as the referee draws them: those of few seeds that rest in less than 80 s."""
+    """Loops, springs, ropes, bushings, surfaces as the referee draws them: those of few seeds that rest in less than 80 s. Loads
+    over time (seeds 7 and 58) are those of the end, when their tables have come to their last values.
+    """
     scene = in_oil(seed)
-    found = scene.equilibrium()
+    found = scene.equilibrium(time=80.0)
     end = scene.simulate(80.0, 80.0)
     assert found.stable
     assert max(np.abs(end.poses(body)[0][-1] - r).max() for body, (r, _) in found.positions.items()) < 1e-6
 
 
+def test_a_random_scene_that_slides_on_for_ever_has_no_equilibrium():
+    """Seed 1: a point passes the end of an open spline, whose straight continuation leads downhill: in oil it keeps its speed."""
+    scene = in_oil(1)
+    run = scene.simulate(80.0, 10.0)
+    ways = np.linalg.norm(np.diff(run.poses("link5")[0], axis=0), axis=1)
+    assert ways[-1] > 10.0 and abs(ways[-1] - ways[-2]) < 1e-2 * ways[-1]
+
+    with pytest.raises(NoEquilibrium, match=r"hinge6\.position"):
+        scene.equilibrium(time=80.0)
+
+
+def rests_where(mechanism):
+    """Positions (3 n_body,) where a run of at most 240 s comes to rest, None where it does not."""
+    instance = mechanism.instance
+
+    for _ in range(6):
+        instance.step(40.0)
+
+        if np.abs(instance.d.v).max(initial=0.0) < 1e-10:
+            kinematics.kinematics(instance.m, instance.d)
+            return instance.d.r.copy()
+
+    return None
+
+
 @pytest.mark.long
 def test_all_random_scenes_that_come_to_rest_do_so_in_an_equilibrium():
     """Of the referee's first 120 seeds those without drives or a ground that moves: where a run in oil ends, statics stay. Where
-    there are several equilibria the search may find another one.
+    there are several equilibria the search may find another one, as where something rolls. Where it finds none, no run rests.
+    Loads over time are those of the end.
     """
     ended, elsewhere = 0, 0
 
     for seed in range(1, 121):
         try:
             scene = in_oil(seed)
-            found = scene.equilibrium()
-        except (NoEquilibrium, SceneError, SimulationError):
+            mechanism = mechanism_of(scene)
+            found = scene.equilibrium(time=240.0)
+        except NoEquilibrium:
+            assert rests_where(mechanism) is None, seed
+            continue
+        except (SceneError, SimulationError):
             continue
 
         if not found.stable or found.manifold.mechanism.stilled:
             continue
 
-        mechanism = mechanism_of(scene)
-        instance = mechanism.instance
+        r = rests_where(mechanism)
 
-        for _ in range(6):
-            instance.step(40.0)
-
-            if np.abs(instance.d.v).max(initial=0.0) < 1e-10:
-                break
-        else:
+        if r is None:
             continue
 
-        kinematics.kinematics(instance.m, instance.d)
-        r = instance.d.r.copy()
         _, rest = settle(mechanism, stay=True)
-        kinematics.kinematics(instance.m, instance.d)
-        assert np.abs(instance.d.r - r).max() < 1e-8, seed
+        kinematics.kinematics(mechanism.m, mechanism.d)
+        assert np.abs(mechanism.d.r - r).max() < 1e-8, seed
         assert rest.stable is not False, seed
         ended += 1
         found.manifold.put()
@@ -405,6 +429,31 @@ def test_all_random_scenes_that_come_to_rest_do_so_in_an_equilibrium():
         elsewhere += np.abs(found.manifold.d.r - r).max() > 1e-6
 
     assert ended > 20 and elsewhere < 0.25 * ended
+
+
+def wound(start, rest):
+    """A disk on a hinge with a torsion spring, which nothing else turns; start, rest in deg."""
+    disk = {"mass": 1.0, "inertia": [0.3, 0.3, 0.5]}
+    hinge = {"revolute": {}, "between": ["ground", "disk"], "start": {"angle_deg": start}}
+    bar = {
+        "torsion": {"stiffness": 4.0, "rest_deg": rest},
+        "between": ["ground", "disk"],
+        "output": ["angle", "moment"],
+    }
+    return Scene(name="shaft", body={"disk": disk}, joint={"hinge": hinge}, force={"bar": bar})
+
+
+@pytest.mark.parametrize("start, rest", [(179.9, 200.0), (-179.9, -190.0), (100.0, 900.0), (175.0, 170.0)])
+def test_a_torsion_spring_unwinds_past_half_a_turn(start, rest):
+    """Its twist is followed from the start; a rest that is beyond half a turn is told, as no run starts there."""
+    found = wound(start, rest).equilibrium()
+    assert found.stable
+    assert abs(found.coordinates["hinge.angle"] - np.deg2rad(rest)) < 1e-12
+    assert abs(found.outputs["bar.angle"] - np.deg2rad(rest)) < 1e-12
+    told = [notice for notice in found.notices if "torsion spring" in notice]
+    assert len(told) == (abs(rest) > 180.0) and all(f"{rest:.6g} deg" in notice for notice in told)
+    run = found.scene.simulate(0.1, 0.1)
+    assert (abs(run["bar.moment"][0]) > 1.0) == bool(told)
 
 
 def test_wind_and_waves_are_left_out_unless_asked_for(tmp_path):

@@ -28,7 +28,6 @@ OF_WAY = 0.1
 # likewise of positions whose rates are independent too
 ALREADY = 1e3
 
-
 AUTO, BODY, INERTIAL = "auto", "body", "inertial"
 
 # step of velocities, in which motions are nearly of degree 2, as part of the largest speed or 1 rad/s
@@ -37,7 +36,6 @@ QUICKER = 0.02
 # rad/s and sine of an angle that are none
 SLOW = 1e-9
 ALONG = 1e-7
-
 
 # part by which the efforts of a summed inertia may be off those of a response
 ALIKE = 1e-10
@@ -116,6 +114,7 @@ class Manifold:
         """Takes the state of the mechanism as the one looked at: where motions go from there."""
         m = self.m
         self._check(exchange.lead(m, self.d))
+        self._read_turns()
         self.x = self.d.x.copy()
         mechanism = self.mechanism
         self.v0 = self.x[m.n_q : m.n_q + m.n_v][self.free]
@@ -222,7 +221,14 @@ class Manifold:
 
         if m.n_row:
             self._check(exchange.lead(m, d))
-        elif m.n_turn:
+
+        self._read_turns()
+
+    def _read_turns(self):
+        """Angles of torsion springs from their markers, on the nearest turn; loops do as they close."""
+        m, d = self.m, self.d
+
+        if m.n_turn and not m.n_row:
             rates.set_time(m, d, 0.0)
             kinematics.kinematics(m, d)
             coordinates.read_turns(m, d)

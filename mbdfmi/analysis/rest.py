@@ -9,6 +9,7 @@ import scipy  # which imports its parts when they are asked for
 
 from ..compiler.joint_kinds import kind_of
 from ..compiler.variables import dotted, subscripts
+from ..kernels.motion.coordinates import TWIST, turn
 from ..scene import SceneData
 from ..scene.end_frames import END_FRAMES
 from ..scene.errors import listed
@@ -266,6 +267,8 @@ def _told(scene, manifold, rest, weather) -> Equilibrium:
             "in still air and water: wind and waves are left out (weather, --weather, lets them act)"
         )
 
+    notices += _wound(scene, manifold)
+
     if any(joint.friction for joint in scene.joint.values() if hasattr(joint, "friction")):
         notices.append("dry friction holds nothing here: with it, a range of places would be at rest")
 
@@ -285,6 +288,20 @@ def _told(scene, manifold, rest, weather) -> Equilibrium:
         notices=notices,
         manifold=manifold,
     )
+
+
+def _wound(scene, manifold):
+    """What is told of torsion springs that rest more than half a turn away: runs begin within that."""
+    m = manifold.m
+    twists = [t for t in range(m.n_turn) if m.coordinate_kind[m.turn_coordinate[t]] == TWIST]
+    names = [name for name, force in scene.force.items() if force.kind == "torsion"]
+    angles = [manifold.d.z[turn(m, t)] for t in twists]
+    return [
+        f'the torsion spring "{name}" rests at {np.degrees(angle):.6g} deg: a run that starts there counts '
+        "from within half a turn, and does not stay unless what the spring rests at is less by whole turns"
+        for name, angle in zip(names, angles, strict=True)
+        if abs(angle) > np.pi * (1.0 + 1e-12)
+    ]
 
 
 def _named_outputs(scene, model):
