@@ -107,7 +107,10 @@ def test_newton_s_method_of_radau_has_exact_derivatives(check):
 
 @pytest.mark.parametrize(
     ("name", "most"),
-    [("double_pendulum", 4), pytest.param("floating_wind_turbine", 10, marks=pytest.mark.long)],
+    [
+        ("double_pendulum", 4),
+        pytest.param("floating_wind_turbine/floating_wind_turbine", 10, marks=pytest.mark.long),
+    ],
 )
 def test_a_jacobian_takes_few_evaluations(name, most):
     """Operations of the traced one beside those of x'."""
