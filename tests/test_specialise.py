@@ -229,9 +229,9 @@ def test_commands_make_and_use_it(tmp_path, capsys):
     for more in ([], ["--specialise"]):
         table = tmp_path / f"{len(more)}.csv"
         assert main(["simulate", str(path), "--until", "1", "--csv", str(table), *more]) == 0
-        tables.append(table.read_bytes())
+        tables.append(np.genfromtxt(table, delimiter=",", names=True).tolist())
 
-    assert tables[0] == tables[1]
+    assert tables[0] == tables[1]  # but for the signs of zeros
     assert main(["export", str(path), "--specialise", "-o", str(tmp_path / "own.fmu")]) == 0
 
 
