@@ -1,7 +1,9 @@
 """Fixtures of all tests."""
 
 import ctypes
+import os
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -10,6 +12,27 @@ from fmpy import fmi2
 from mbdfmi import Scene
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.run.instance import Instance
+
+
+@pytest.fixture(autouse=True, scope="session")
+def home():
+    """The folder that tests are run in."""
+    return os.getcwd()
+
+
+@pytest.fixture(autouse=True)
+def stays_in_its_folder(home, request):
+    """FMPy stays in the folder of a library that does not load: the test is named, and those after it are not lost."""
+    yield
+
+    try:
+        left = os.getcwd()
+    except FileNotFoundError:
+        left = "a folder that is gone"
+
+    if left != home:
+        os.chdir(home)
+        warnings.warn(f"{request.node.nodeid} left the process in {left}", stacklevel=1)
 
 
 @pytest.fixture
