@@ -440,10 +440,13 @@ def runs_in_threads(fmu: Fmu):
 
     rows = fmu.new("alone").drive()
     found: list = [None] * 4
+    loading = threading.Lock()  # FMPy changes the folder of the process while it loads a library
 
     def work(k):
         try:
-            found[k] = fmu.new(f"thread {k}").drive()
+            with loading:
+                run = fmu.new(f"thread {k}")
+            found[k] = run.drive()
         except Refused as refused:
             found[k] = str(refused)
 
