@@ -182,6 +182,18 @@ def _is_number(text):
     return True
 
 
+def save_table(path: str | os.PathLike, names, columns, digits="%.9g") -> None:
+    """Columns of numbers, (n,) or (n, k) each, under a line of their names, as CSV, whole or not at all.
+
+    digits : a format of C for all columns, or one for each.
+    """
+    import numpy as np
+
+    with replacing(path) as temporary:
+        rows, head = np.column_stack(columns), ",".join(names)
+        np.savetxt(temporary, rows, fmt=digits, delimiter=",", header=head, comments="")
+
+
 def save_figure(figure, path: str | os.PathLike, dpi: int = 110) -> None:
     """A figure of matplotlib in a file, whole or not at all: png, svg or pdf by its ending, else png."""
     kind = Path(path).suffix.lstrip(".").lower() or "png"

@@ -1,7 +1,7 @@
 """mbdfmi moorings: lines where a scene starts."""
 
 from ..arguments import add_command, add_scene
-from ..paths import load_scene, writable
+from ..paths import load_scene, result_files
 from ..tables import print_table, table_of
 from ..terminal import note, out
 
@@ -38,15 +38,9 @@ def run(options):
 
     from ...analysis.mooring_plot import draw_moorings
     from ...analysis.moorings import moorings
-    from ...files import replacing
-    from ...run.results import Results
+    from ...files import save_table
 
-    plot = writable(options.plot, [options.scene]) if options.plot else None
-    csv = writable(options.csv, [options.scene]) if options.csv else None
-
-    if plot:
-        Results.check_plot(plot)
-
+    csv, plot = result_files(options, options.scene)
     scene = load_scene(options.scene)
     lengths = [force.catenary.length for force in scene.force.values() if force.kind == "catenary"]
     offset = options.offset if options.offset is not None else 0.1 * max(lengths, default=1.0)
@@ -62,12 +56,8 @@ def run(options):
     _tell(found)
 
     if csv:
-        rows = np.column_stack([found.offsets, found.force, found.tension])
-        head = ",".join(["offset", "force", *(line.name for line in found.lines)])
-
-        with replacing(csv) as temporary:
-            np.savetxt(temporary, rows, fmt="%.9g", delimiter=",", header=head, comments="")
-
+        names = ["offset", "force", *(line.name for line in found.lines)]
+        save_table(csv, names, [found.offsets, found.force, found.tension])
         out.print(str(csv), soft_wrap=True)
 
     if plot:

@@ -1,7 +1,7 @@
 """mbdfmi rao: answers to small regular waves."""
 
 from ..arguments import add_command, add_scene
-from ..paths import load_scene, writable
+from ..paths import load_scene, result_files
 from ..tables import print_table, table_of
 from ..terminal import doing_here, note, out
 
@@ -50,14 +50,9 @@ def run(options):
 
     from ...analysis.rao import rao
     from ...analysis.rao_plot import draw_rao
-    from ...files import replacing
-    from ...run.results import Results
+    from ...files import save_table
 
-    plot = writable(options.plot, [options.scene]) if options.plot else None
-    csv = writable(options.csv, [options.scene]) if options.csv else None
-
-    if plot:
-        Results.check_plot(plot)
+    csv, plot = result_files(options, options.scene)
 
     if not np.isfinite(options.direction):
         raise ValueError(f"--direction {options.direction:g}: needs an angle, deg")
@@ -73,22 +68,13 @@ def run(options):
     _tell(found)
 
     if csv:
-        columns, head = [found.omega], ["omega"]
+        columns, names = [found.omega], ["omega"]
 
         for name, answer in zip(found.outputs, found.answers.T):
             columns += [np.abs(answer), np.degrees(np.angle(answer))]
-            head += [name, f"{name} phase_deg"]
+            names += [name, f"{name} phase_deg"]
 
-        with replacing(csv) as temporary:
-            np.savetxt(
-                temporary,
-                np.column_stack(columns),
-                fmt="%.9g",
-                delimiter=",",
-                header=",".join(head),
-                comments="",
-            )
-
+        save_table(csv, names, columns)
         out.print(str(csv), soft_wrap=True)
 
     if plot:

@@ -51,7 +51,7 @@ def run(options):
     import numpy as np
 
     from ...aero.blades import read_blade, read_polar
-    from ...files import replacing
+    from ...files import save_table
     from ...run.results import Results
 
     given = [options.blade, *options.polars]
@@ -88,16 +88,9 @@ def run(options):
     print_table(table)
     grid = np.meshgrid(ratio, np.radians(pitch), indexing="ij")
 
-    with replacing(target) as temporary:
-        np.savetxt(
-            temporary,
-            np.column_stack([column.ravel() for column in (*grid, thrust, torque)]),
-            fmt=["%.6g", "%.9f", "%.7f", "%.7f"],
-            delimiter=",",
-            header="tip_speed_ratio,blade_pitch_rad,C_T,C_Q",
-            comments="",
-        )
-
+    names = ["tip_speed_ratio", "blade_pitch_rad", "C_T", "C_Q"]
+    columns = [column.ravel() for column in (*grid, thrust, torque)]
+    save_table(target, names, columns, digits=["%.6g", "%.9f", "%.7f", "%.7f"])
     out.print(str(target), soft_wrap=True)
 
     if plot:

@@ -66,13 +66,12 @@ def run(options):
     _tell(waves)
 
     if "components" in files:
-        rows = np.column_stack(waves)
-        _write(files["components"], "omega,amplitude,phase,direction", rows)
+        _write(files["components"], ["omega", "amplitude", "phase", "direction"], waves)
 
     if "series" in files:
         time = options.step * np.arange(int(options.until / options.step + 1e-9) + 1)
         elevation = sum(a * np.cos(w * time + e) for w, a, e, _ in zip(*waves))
-        _write(files["series"], "time,elevation", np.column_stack([time, elevation]))
+        _write(files["series"], ["time", "elevation"], [time, elevation])
 
     if "plot" in files:
         drawn = scene.sea.waves.jonswap or scene.sea.waves.pierson_moskowitz
@@ -110,12 +109,8 @@ def _tell(waves):
     out.print()
 
 
-def _write(path, head, rows):
-    import numpy as np
+def _write(path, names, columns):
+    from ...files import save_table
 
-    from ...files import replacing
-
-    with replacing(path) as temporary:
-        np.savetxt(temporary, rows, fmt="%.17g", delimiter=",", header=head, comments="")
-
+    save_table(path, names, columns, digits="%.17g")
     out.print(str(path), soft_wrap=True)
