@@ -1,5 +1,6 @@
 """The sea as components: frequencies, amplitudes, phases, directions (docs/theory.md 16.17)."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ def shape(omega, peak, gamma):
     return omega**-5.0 * np.exp(-1.25 * (peak / omega) ** 4) * gamma**rise
 
 
+@lru_cache(maxsize=16)
 def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=1) -> Components:
     """A sea of significant height hs (m), peak period tp (s) by `count` components: m0 is hs^2 / 16.
 
@@ -40,6 +42,8 @@ def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=
     spread : s of cos^(2 s)((theta - heading) / 2) over `directions` of equal energy, dealt to the components
         in an order that is drawn once and for all, so that no two directions share a frequency.
     seed : of numpy's `default_rng`, which draws the phases.
+
+    Kept, and so not to be written to: a run with its page asks a dozen times for the same sea.
     """
     peak = 2 * np.pi / tp
     grid = peak * np.linspace(*BAND, FINE)
@@ -58,7 +62,12 @@ def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=
     energy *= (hs / 4) ** 2 / energy.sum()
     dice = np.random.default_rng(seed)
     phase = dice.uniform(0.0, 2 * np.pi, count)
-    return Components(omega, np.sqrt(2 * energy), phase, heading + _offsets(count, spread, directions))
+    found = Components(omega, np.sqrt(2 * energy), phase, heading + _offsets(count, spread, directions))
+
+    for array in found:
+        array.flags.writeable = False
+
+    return found
 
 
 def _running(density, grid):

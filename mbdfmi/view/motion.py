@@ -45,8 +45,13 @@ class Motion:
 
     def point(self, body, r):
         """(n, 3): where a point (3,) of a body is."""
+        return self.points(body, np.reshape(r, (1, 3)))[:, 0]
+
+    def points(self, body, r):
+        """(n, m, 3): where points (m, 3) of a body are."""
         k = self.place[body]
-        return self.r[:, k] + self.A[:, k] @ r
+        turned = self.A[:, k].reshape(-1, 3) @ np.transpose(r)
+        return self.r[:, k, None] + turned.reshape(-1, 3, len(r)).transpose(0, 2, 1)
 
     def far_turns(self):
         """Bodies that turn so far from row to row that what is between is not seen."""

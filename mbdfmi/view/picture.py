@@ -62,9 +62,9 @@ class Picture:
 
             box = np.array([corners.min(axis=0), corners.max(axis=0)])
 
-            for corner in np.array(np.meshgrid(*box.T)).reshape(3, -1).T:
-                places = self.moves.point(body, corner)
-                low, high = np.minimum(low, places.min(axis=0)), np.maximum(high, places.max(axis=0))
+            places = self.moves.points(body, np.array(np.meshgrid(*box.T)).reshape(3, -1).T)
+            low = np.minimum(low, places.min(axis=(0, 1)))
+            high = np.maximum(high, places.max(axis=(0, 1)))
 
         if not np.isfinite(low).all():
             low, high = np.full(3, -0.5), np.full(3, 0.5)
@@ -214,20 +214,21 @@ def picture(scene, states, rows=None) -> Picture:
 def _size(scene, moves):
     """m: how far joints, centres of mass and what is drawn are apart at the first time."""
     points = []
+    first = moves.row(0)
 
     for name, body in scene.body.items():
         _, com, _ = body.mass_properties()
         ends = [com, *(marker.pose()[0] for marker in body.marker.values()), np.zeros(3)]
-        points += [moves.point(name, r)[0] for r in ends]
+        points += first.points(name, ends)[0].tolist()
 
     for piece in pieces(scene, 1e-6):
         corners = np.array([piece.surface.points.min(axis=0), piece.surface.points.max(axis=0)])
         if piece.layer == "bodies":
-            points += [moves.point(piece.body, corner)[0] for corner in corners]
+            points += first.points(piece.body, corners)[0].tolist()
 
     for joint in scene.joint.values():
         ends = [end for end in joint.between if end.split(".")[0] in moves.bodies and joint.kind != "free"]
-        points += [moves.point(end.split(".")[0], scene.marker_pose(end)[1])[0] for end in ends]
+        points += [first.point(end.split(".")[0], scene.marker_pose(end)[1])[0] for end in ends]
 
     return max(float(np.linalg.norm(np.ptp(points, axis=0))), 1e-6)
 

@@ -76,10 +76,9 @@ def unseen_ground(picture):
     lower.
     """
     heights = [
-        (picture.root @ picture.moves.point(piece.body, corner).T)[1].min()
+        (picture.moves.points(piece.body, points[:: max(1, len(points) // 40)]) @ picture.root[1]).min()
         for piece in picture.pieces
-        if piece.layer == "bodies"
-        for corner in piece.surface.points[:: max(1, len(piece.surface.points) // 40)]
+        if piece.layer == "bodies" and len(points := piece.surface.points)
     ]
     lowest, radius = min(heights, default=0.0), picture.reach[1]
     # what rolls or stands on the ground may reach a little into it

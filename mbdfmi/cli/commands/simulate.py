@@ -62,8 +62,8 @@ def run(options):
     if shown:
         check_looks(options.scene, scene)
 
-    model = scene.compile(as_given=True)
-    inputs, parameters = settings_of(model, options.set)
+    # the run compiles the scene itself: this one is for the names of its variables alone
+    inputs, parameters = settings_of(scene.compile(as_given=True), options.set) if options.set else ({}, {})
 
     if options.step and abs(options.until / options.step) > MOST_POINTS:
         raise ValueError(
