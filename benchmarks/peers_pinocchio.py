@@ -15,6 +15,10 @@ from .spanning import SIZES, inertia_matrix, motion_of, spanning_tree, start_of
 METHODS = ("8(5,3)", "Bulirsch-Stoer", "Fehlberg 7(8)", "Dormand-Prince 5(4)")
 KINDS = tuple(SIZES)
 
+# tensors of n^3 numbers, second derivatives of torques, in every pinocchio::Data; most bytes for them
+TENSORS = 4
+MOST = 1e9
+
 
 class PinocchioMotion:
     """Its articulated-body algorithm in adaptive integrators, ours and Boost's."""
@@ -67,6 +71,14 @@ class PinocchioRun:
 
         if any(force["type"] != "spring_damper" for force in problem.data["forces"]):
             raise Cannot("loads other than spring-dampers are not in this loop")
+
+        n_v = sum(SIZES[joint.kind][1] for joint in self.tree)
+
+        if 8 * TENSORS * n_v**3 > MOST:
+            raise Cannot(
+                f"its Data holds {TENSORS} tensors of {n_v}^3 numbers, asked for or not: "
+                f"{8e-9 * TENSORS * n_v**3:.0f} GB"
+            )
 
         self.handle = self.library.motion_new(np.array(problem.data["gravity"], float))
         self._add_bodies()
