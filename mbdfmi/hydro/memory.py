@@ -2,11 +2,11 @@
 
 K(t) = 2 / pi int B(omega) cos(omega t) d omega becomes x' = A x + B V, force = -C x: poles by Kung's
 realisation of K, C by least squares on H(i omega) = B + i omega (A - A_inf), without damping at frequency 0,
-passive. The order grows until both parts of H are met.
+passive. The order grows until both parts of H are met, and damping at single frequencies that are asked for.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # which imports its parts when they are asked for
@@ -34,6 +34,12 @@ GIVES = 1e-4
 # of the largest: what is rounding; a way to make waves that is none
 NOTHING = 1e-10
 FEWER = 1e-4
+
+# of its own value: how far damping may be off at frequencies and motions that are asked for beside
+NEAR = 0.03
+
+# of the damping of a motion: a group of motions that has a part in it
+OWN = 0.01
 
 # that are kept of what is found
 DIGITS = 9
@@ -139,24 +145,27 @@ def fit(
     error: float = 0.01,
     states: int | None = None,
     tell: Callable[[str], None] | None = None,
+    near: Sequence = (),
 ) -> Memory:
     """The memory of bodies, of an order that meets `error` of the peaks.
 
     states : so many instead, for each group of motions that are coupled. tell : is given the words of each
-        group.
+        group. near : (omega rad/s, motion (6 N,)) at which damping is met within NEAR of its own value too.
     """
     kernel = Kernel(coefficients)
     scale = np.sqrt(np.maximum(kernel.B.diagonal(axis1=1, axis2=2).max(axis=0), 0.0))
     parts, worst, orders = [], 0.0, []
 
     samples = _sampled(kernel, coefficients.omega)
+    near = [(w, np.array(moves), kernel.response(np.array([w]))[0].real) for w, moves in near]
 
     for group in _groups(kernel.B, scale):
         if tell:
             names = ", ".join(motion(k, coefficients.bodies) for k in group)
             tell(f"fitting the memory of the waves that {names} {'makes' if len(group) == 1 else 'make'}")
 
-        part, missed = _fit_group(kernel, samples, group, scale[group], error, states)
+        local = _Near.of(near, group, scale[group])
+        part, missed = _fit_group(kernel, samples, group, scale[group], error, states, local)
         parts.append((group, part))
         worst = max(worst, missed)
         orders.append((group, len(part[0])))
@@ -186,7 +195,7 @@ def _sampled(kernel, band):
     return time, kernel.at(time), omega, kernel.response(omega)
 
 
-def _fit_group(kernel, samples, group, scale, error, states):
+def _fit_group(kernel, samples, group, scale, error, states, near):
     """((A, B, C) of a group in SI, largest error by its peak)."""
     time, whole, omega, response = samples
     K = whole[np.ix_(range(len(time)), group, group)] / np.outer(scale, scale)
@@ -200,7 +209,8 @@ def _fit_group(kernel, samples, group, scale, error, states):
     # each way to make waves takes two states or more: fewer states are for the strongest ways
     for r in range(min(every, states // 2), 0, -1) if states else [every]:
         ways = _ways(H.real, r)
-        best = _fit_ways(kernel.top, step, ways.T @ K @ ways, omega, ways.T @ H @ ways, error, states)
+        found = ways.T @ K @ ways, omega, ways.T @ H @ ways
+        best = _fit_ways(kernel.top, step, *found, error, states, near.along(ways))
 
         if best and np.isfinite(best.missed):
             missed = best.missed if r == every else best.missed_of(ways, H)
@@ -211,7 +221,7 @@ def _fit_group(kernel, samples, group, scale, error, states):
     raise ValueError(f"no memory that {kind} can be fitted to the damping in {motions}; has it spikes?")
 
 
-def _fit_ways(top, step, K, omega, H, error, states):
+def _fit_ways(top, step, K, omega, H, error, states, near):
     """The best `_Sinks` of samples K and H, made passive; None where no pole dies out."""
     r = K.shape[1]
     realisation = _Kung(K, step)
@@ -224,9 +234,9 @@ def _fit_ways(top, step, K, omega, H, error, states):
         if not len(A):
             continue
 
-        found.append(_Sinks(A, B, omega, H))
+        found.append(_Sinks(A, B, omega, H, near, error))
 
-        if found[-1].missed < error and not states and found[-1].made_passive(top).missed < error:
+        if found[-1].score < error and not states and found[-1].made_passive(top).score < error:
             break
 
     return _best(found, top) if found else None
@@ -248,15 +258,54 @@ def _best(found, top):
     """Of some fits the passive one that misses least, by infinity where none is; to be made passive costs
     time, and a fit some of its error.
     """
-    found = sorted(found, key=lambda one: one.missed)
+    found = sorted(found, key=lambda one: one.score)
     best = found[0].made_passive(top)
 
     for one in found[1:]:
-        if one.missed >= best.missed:
+        if one.score >= best.score:
             break
-        best = min(best, one.made_passive(top), key=lambda one: one.missed)
+        best = min(best, one.made_passive(top), key=lambda one: one.score)
 
     return best
+
+
+@dataclass(frozen=True)
+class _Near:
+    """Damping to be met at single frequencies, in motions of a group by their peaks.
+
+    omega : (k,). motion : (k, m). damping : (k,) motion . Re H motion.
+    """
+
+    omega: np.ndarray
+    motion: np.ndarray
+    damping: np.ndarray
+
+    @classmethod
+    def of(cls, near, group, scale):
+        """What of (omega, motion, Re H) is of a group: motions that its damping has a part in."""
+        kept = []
+
+        for omega, moves, B in near:
+            own = moves[group]
+            taken = own @ B[np.ix_(group, group)] @ own
+
+            if taken > OWN * abs(moves @ B @ moves):
+                kept.append((omega, own * scale, taken))
+
+        return cls(
+            np.array([omega for omega, _, _ in kept]),
+            np.array([u for _, u, _ in kept]).reshape(len(kept), len(group)),
+            np.array([taken for _, _, taken in kept]),
+        )
+
+    def along(self, ways):
+        """The same by the ways (m, r) to make waves."""
+        return replace(self, motion=self.motion @ ways)
+
+    def missed(self, C, phi):
+        """The largest part of its own value by which C phi misses it."""
+        found = np.einsum("ki,kij,kj->k", self.motion, (C @ phi).real, self.motion)
+        return float(np.abs(found / self.damping - 1.0).max(initial=0.0))
 
 
 class _Kung:
@@ -307,8 +356,9 @@ class _Sinks:
     left of it by QR, n equations for each of m motions, is all that has to be solved.
     """
 
-    def __init__(self, A, B, omega, H):
-        self.A, self.B, self.H = A, B, H
+    def __init__(self, A, B, omega, H, near, error):
+        self.A, self.B, self.H, self.near, self.error = A, B, H, near, error
+        self.phi_near = _responses(A, B, near.omega)
         self.is_passive = False
         n, m = B.shape
         self.phi = _responses(A, B, omega)
@@ -337,6 +387,9 @@ class _Sinks:
 
         # largest error of H by its peak
         self.missed = float(np.abs(self.C @ self.phi - self.H).max() / self.peak)
+
+        # the same with what is missed nearby, below the error where both are met
+        self.score = max(self.missed, self.error * self.near.missed(self.C, self.phi_near) / NEAR)
 
     def missed_of(self, ways, H):
         """Largest error by its peak of an H of more motions, of which these are the ways (m, r)."""
@@ -396,7 +449,7 @@ class _Sinks:
         lowest = np.linalg.eigvalsh((H + H.conj().transpose(0, 2, 1)) / 2)[:, 0] * weight
 
         if not lowest.min() >= -GIVES * self.peak:
-            self.missed = np.inf
+            self.missed = self.score = np.inf
 
         return self
 
