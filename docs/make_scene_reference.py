@@ -34,6 +34,7 @@ KINDS = {
     looks.FrameName: "text",
     looks.Names: "list of names",
     sea.DataName: "name of a file",
+    sea.Excitation: 'true, false or `"input"`',
     water.Sides: "whole number from 3 to 1000",
 }
 

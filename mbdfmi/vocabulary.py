@@ -276,9 +276,17 @@ HYDRODYNAMICS_OUTPUTS = table(
         "excitation_moment", "N.m", 3, "moment of these about the marker's origin, in the inertial frame"
     ),
     Quantity("excitation_power", "W", words="power of these on the body"),
+    Quantity(
+        "damping_force", "N", 3, "force of linear and quadratic damping beside waves, in the inertial frame"
+    ),
+    Quantity("damping_moment", "N.m", 3, "moment of these about the marker's origin, in the inertial frame"),
+    Quantity("damping_power", "W", words="power of these on the body"),
 )
 
 SEA_OUTPUTS = table(Quantity("elevation", "m", words="elevation of the undisturbed sea at the origin"))
+
+EXCITATION_FORCE = Quantity("excitation_force", "N", 3)
+EXCITATION_MOMENT = Quantity("excitation_moment", "N.m", 3)
 
 ROTOR_PITCH = Quantity("pitch", "rad")
 WIND_VELOCITY = Quantity("velocity", "m/s", 3)

@@ -262,6 +262,7 @@ class Mechanism:
         m, d = self.m, self.d
         m.sea_unit[::4] = 0.0
         m.wind_velocity[:] = 0.0
+        m.gust_table[:] = -1
         # what was made of the components
         d.sea_known[:] = 0.0
 

@@ -162,6 +162,7 @@ class Builder:
     reactions : joints whose reactions go out; torque_inputs : spherical joint -> its row among the wrench inputs.
     radiations : forces with memories of waves, in the order of these.
     watched : what tables that may have kinks are over, but time.
+    fitted : force -> the memory of waves that was fitted for it; near : force -> what that is to meet beside, see `natural`.
     wave_places, wet_members : what depends on where bodies start once loops are closed, see `hydrodynamics.meet_waves`.
     coordinates : (joint, which of its coordinates) -> index among those that something refers to.
     starts_elsewhere : joints start as was found on another tree, whatever is given.
@@ -198,6 +199,8 @@ class Builder:
         self.torque_inputs = {}
         self.radiations = []
         self.watched = []
+        self.fitted = {}
+        self.near = {}
         self.wave_places = []
         self.wet_members = []
         self._markers = {}

@@ -21,12 +21,14 @@ from ..kernels.status import OK
 from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea, csv_columns
-from ..vocabulary import HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
+from ..vocabulary import EXCITATION_FORCE, EXCITATION_MOMENT, HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
 from .builder import Place, Source
+from .natural import Fitted
+from .resistance import add_resistance
 from .start import start_pose
 from .variables import dotted
 
-# words of the scene -> kinds of kernels/outputs.py, of radiation and of excitation
+# words of the scene -> kinds of kernels/outputs.py, of radiation, excitation and damping
 HYDRODYNAMICS_KINDS = {
     "radiation_force": (outputs.RADIATION_FORCE, 0),
     "radiation_moment": (outputs.RADIATION_MOMENT, 0),
@@ -34,6 +36,9 @@ HYDRODYNAMICS_KINDS = {
     "excitation_force": (outputs.EXCITATION_FORCE, 1),
     "excitation_moment": (outputs.EXCITATION_MOMENT, 1),
     "excitation_power": (outputs.EXCITATION_POWER, 1),
+    "damping_force": (outputs.RESISTANCE_FORCE, 2),
+    "damping_moment": (outputs.RESISTANCE_MOMENT, 2),
+    "damping_power": (outputs.RESISTANCE_POWER, 2),
 }
 
 # part of the energy outside a file's frequencies that is told
@@ -56,14 +61,15 @@ COARSE = 0.1
 def add_hydrodynamics(builder, name, force, ends):
     """Added mass, memory, excitation of bodies. Raises SceneError for files that cannot be read."""
     spec, sea = force.hydrodynamics, builder.scene.sea or Sea()
+    ends, starts = _points(builder, force, ends)
     path = ("force", name, "hydrodynamics", "file")
     told = _memory_told(spec)
 
     try:
         stamp = spec.file.path.stat().st_mtime_ns
-        water = sea.density, -builder.scene.gravity[2], spec.scale
+        water = sea.density, -builder.scene.gravity[2], spec.scale, spec.froude
         coefficients, notes, memory, held = _read(
-            str(spec.file.path), stamp, *water, told, spec.bodies, len(ends)
+            str(spec.file.path), stamp, *water, told, spec.bodies, len(ends), builder.near.get(name, ())
         )
     except (ValueError, OSError) as error:
         raise SceneError([Problem(path, str(error))]) from None
@@ -86,6 +92,9 @@ def add_hydrodynamics(builder, name, force, ends):
         )
         builder.notice(("force", name, "hydrodynamics", "radiation"), text)
 
+    if memory and not (told[1] or told[2]):
+        builder.fitted[name] = Fitted(ends, coefficients, memory)
+
     if infinite is None:
         text = "has no added mass at infinite frequency; leave out radiation = false, for the memory finds it"
         raise SceneError([Problem(path, text)])
@@ -96,14 +105,42 @@ def add_hydrodynamics(builder, name, force, ends):
 
     _add_shared_water(builder, ends, infinite)
     rows = [_add_memory(builder, name, ends, memory, infinite), [-1] * len(ends)]
+    rows.append(add_resistance(builder, name, force, ends))
 
     if sea.waves and memory and not told[2]:
         _tell_outside(builder, path, sea_components(builder.scene), coefficients.omega, RADIATION)
 
-    if spec.excitation and sea.waves:
-        rows[1] = _add_excitation(builder, name, force, ends, coefficients, held == 1)
+    if spec.excitation == "input":
+        _add_excitation_inputs(builder, name, force, ends)
+    elif spec.excitation and sea.waves:
+        rows[1] = _add_excitation(
+            builder, name, (ends, starts), coefficients, held == 1, spec.position == "now"
+        )
 
     _add_outputs(builder, name, force, rows)
+
+
+def _points(builder, force, ends):
+    """(markers, where they start (m)) of the points that coefficients are about, at the ends unless the scene has others."""
+    starts = [start_pose(builder, end) for end in force.between]
+    places = force.hydrodynamics.places()
+
+    if not places:
+        return ends, [r for r, _ in starts]
+
+    found = []
+
+    for end, place in zip(force.between, places):
+        node, (r, A) = builder.tree.marker(builder.scene, end)
+        found.append(builder.add_marker((end, tuple(place)), node, (r + A @ place, A)))
+
+    return found, [r + A @ place for (r, A), place in zip(starts, places)]
+
+
+def _parts(name, force):
+    """For each end the parts of its variables' names: of several bodies each has its own."""
+    bodies = [end.split(".")[0] for end in force.between]
+    return [(name,) if len(bodies) == 1 else (name, body) for body in bodies]
 
 
 def shares_water(scene) -> bool:
@@ -153,12 +190,14 @@ def _memory_told(spec):
 
 
 @lru_cache(maxsize=8)
-def _read(path, stamp, density, gravity, scale, told, bodies, count):
+def _read(path, stamp, density, gravity, scale, froude, told, bodies, count, near):
     """(coefficients, notes, memory or None) of some bodies of a file, and how many that has; stamp : a changed file is read anew.
 
-    bodies : their numbers from 1, None: all. count : of the ends that they are to have. Raises ValueError.
+    bodies : their numbers from 1, None: all. count : of the ends that they are to have. near : what the memory is to meet beside.
+    Raises ValueError.
     """
     found = read_coefficients(path, density, gravity, scale)
+    found = found.enlarged(froude) if froude != 1.0 else found
     _check_bodies(path, found.bodies, bodies, count)
     coefficients, notes = (found.of(bodies) if bodies else found).checked()
 
@@ -174,7 +213,7 @@ def _read(path, stamp, density, gravity, scale, told, bodies, count):
     error, states, file = told
 
     if file is None:
-        return coefficients, notes, _kept_fit(coefficients, error, states), found.bodies
+        return coefficients, notes, _kept_fit(coefficients, error, states, near), found.bodies
     if coefficients.infinite is None:
         raise ValueError(
             f"{path}: has no added mass at infinite frequency, which a ready model of radiation needs"
@@ -198,10 +237,12 @@ def _check_bodies(path, held, bodies, count):
         )
 
 
-def _kept_fit(coefficients, error, states):
+def _kept_fit(coefficients, error, states, near):
     """The fit of a body, kept in the cache folder under a hash of all that it is made of."""
     given = [coefficients.omega, coefficients.added, coefficients.damping, coefficients.infinite]
-    digest = hashlib.sha256(f"{error} {states} ".encode() + Path(memory_module.__file__).read_bytes())
+    digest = hashlib.sha256(
+        f"{error} {states} {near or ''}".encode() + Path(memory_module.__file__).read_bytes()
+    )
 
     for array in given:
         digest.update(b"none" if array is None else np.ascontiguousarray(array, "<f8").tobytes())
@@ -214,7 +255,7 @@ def _kept_fit(coefficients, error, states):
             return Memory(*arrays, float(found["error"]), [])
     except (OSError, ValueError, KeyError, zipfile.BadZipFile):
         with Progress.shown("fitting the memory of waves") as tell:
-            memory = fit(coefficients, error, states, tell)
+            memory = fit(coefficients, error, states, tell, near)
 
     # where nothing can be kept it is fitted again the next time
     with contextlib.suppress(OSError):
@@ -269,9 +310,11 @@ def _add_memory(builder, name, ends, memory, infinite):
     return rows
 
 
-def _add_excitation(builder, name, force, ends, coefficients, alone):
+def _add_excitation(builder, name, places, coefficients, alone, follows):
     """Rows of what the sea's waves do to markers' bodies, of one that is alone in its file about where it starts, of others where
     the file has them.
+
+    places : markers, and where they start (m). follows : whether waves meet them where they are.
     """
     add_waves(builder)
     tables, path = builder.tables, ("force", name, "hydrodynamics", "file")
@@ -289,7 +332,7 @@ def _add_excitation(builder, name, force, ends, coefficients, alone):
     for value in (*omega, *headings):
         tables["n_grid"].add(grid_value=value)
 
-    for k, (marker, end) in enumerate(zip(ends, force.between)):
+    for k, (marker, start) in enumerate(zip(*places)):
         first_point = tables["n_response_point"].length
 
         for point in points[:, :, k].reshape(-1, 48):
@@ -299,14 +342,49 @@ def _add_excitation(builder, name, force, ends, coefficients, alone):
         row = tables["n_excitation"].add(
             excitation_marker=marker,
             excitation_grid=[first, len(omega), len(headings), first_point],
-            excitation_place=start_pose(builder, end)[0][:2] if alone else [0.0, 0.0],
+            excitation_place=start[:2] if alone else [0.0, 0.0],
         )
         rows.append(row)
+        _add_following(builder, row, follows, start)
 
         if alone:
             builder.wave_places.append(("excitation_place", row, 2, (marker,), 0.0))
+        if follows:
+            builder.wave_places.append(("follow_place", row, 2, (marker,), 0.0))
 
     return rows
+
+
+def _add_following(builder, row, follows, start):
+    """Whether waves meet an element where it is: told of each, once it is so of one."""
+    table = builder.tables["n_follow"]
+
+    if follows or table.length:
+        while table.length < row:
+            table.add(excitation_follows=0, follow_place=[0.0, 0.0])
+
+        table.add(excitation_follows=int(follows), follow_place=start[:2])
+
+
+def _add_excitation_inputs(builder, name, force, ends):
+    """What a sea from elsewhere does to markers' bodies, as inputs."""
+    for marker, end, parts in zip(ends, force.between, _parts(name, force)):
+        nodes, first = [builder.node_of(end)], {}
+
+        for quantity in (EXCITATION_FORCE, EXCITATION_MOMENT):
+            what = quantity.name.split("_")[1]
+            about = (
+                f"{what} of the waves of a sea from elsewhere on {', '.join(parts)}, in the inertial frame"
+            )
+            first[what] = builder.add_inputs(dotted(*parts, quantity.name), quantity, about, nodes)
+
+        builder.tables["n_wrench_input"].add(
+            wrench_marker=marker,
+            wrench_reaction=-1,
+            wrench_axes=-1,
+            wrench_force=first["force"],
+            wrench_moment=first["moment"],
+        )
 
 
 def _check_headings(path, known, wanted):
@@ -361,9 +439,10 @@ def _tell_outside(builder, path, waves, known, what):
 
 
 def _add_outputs(builder, name, force, rows):
-    for k, end in enumerate(force.between):
-        body = end.split(".")[0]
-        parts = (name,) if len(force.between) == 1 else (name, body)
+    inputs = force.hydrodynamics.excitation == "input"
+    missing = "radiation = false", "no waves that act", "neither damping nor quadratic"
+
+    for k, (end, parts) in enumerate(zip(force.between, _parts(name, force))):
         words = ", ".join(parts)
 
         for output in force.output:
@@ -371,8 +450,12 @@ def _add_outputs(builder, name, force, rows):
             kind, which = HYDRODYNAMICS_KINDS[output]
 
             if rows[which][k] < 0:
-                what = ("radiation = false", "no waves that act")[which]
-                raise SceneError([Problem(("force", name, "output"), f'no "{output}": there is {what}')])
+                what = (
+                    'it is an input: excitation = "input"'
+                    if which == 1 and inputs
+                    else f"there is {missing[which]}"
+                )
+                raise SceneError([Problem(("force", name, "output"), f'no "{output}": {what}')])
 
             builder.add_outputs(
                 dotted(*parts, output),

@@ -51,7 +51,7 @@ def cubic(x, y):
 
 def quintic(x, y):
     """The quintic spline; of up to six points the polynomial through them."""
-    return _hermite(x, y, *_spline(x, y, np.zeros(len(x), bool), np.zeros(len(x)), np.zeros(len(x))))
+    return quintic_through(x, y, *_spline(x, y, np.zeros(len(x), bool), np.zeros(len(x)), np.zeros(len(x))))
 
 
 def smooth(x, y):
@@ -71,7 +71,7 @@ def smooth(x, y):
         found = _ends(_leaves(x, y, slope, bend, bow)) & ~held
 
         if not found.any():
-            return _hermite(x, y, slope, bend)
+            return quintic_through(x, y, slope, bend)
 
         held |= found
         slope, bend = np.where(found, limited, (slope, bend))
@@ -92,7 +92,7 @@ def _ends(pieces):
     return np.append(pieces, False) | np.append(False, pieces)
 
 
-def _hermite(x, y, slope, bend):
+def quintic_through(x, y, slope, bend):
     """The quintic pieces of these values, slopes and second slopes at the points."""
     return scipy.interpolate.PPoly(_coefficients(x, y, slope, bend)[::-1], x)
 

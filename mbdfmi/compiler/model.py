@@ -37,6 +37,7 @@ from .hydrodynamics import add_sea, meet_waves, shares_water
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
+from .natural import Swings, swings_of
 from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .planes import planar_starts
 from .reactions import add_reactions
@@ -165,9 +166,12 @@ def compile_scene(scene: SceneData, first=(), for_fmu=True) -> Model:
     formulation = _formulation(scene)
 
     if formulation == "augmented":
-        relative = _compile(scene, spanning_tree(scene), "recursive", for_fmu=False)
+        swings = Swings()
+        relative = _compile(scene, spanning_tree(scene), "recursive", for_fmu=False, swings=swings)
         motion, angles = start_motion(relative)
-        model = _compile(scene, absolute_tree(relative.tree, scene), "recursive", motion, angles, for_fmu)
+        model = _compile(
+            scene, absolute_tree(relative.tree, scene), "recursive", motion, angles, for_fmu, swings
+        )
         return replace(model, formulation=formulation)
 
     tree = spanning_tree(scene, first)
@@ -202,11 +206,13 @@ def _compile_parted(scene, tree, parted, for_fmu):
     Where the given start closes the loops, that needs no loop of the whole tree; very many loops are closed apart.
     """
 
+    swings = swings_of(scene, lambda swings: _compile(scene, tree, "recursive", for_fmu=False, swings=swings))
+
     def compiled(by_joints):
         """The model that starts as one by joint coordinates."""
         motion, angles = start_motion(by_joints)
         start = planar_starts(parted, tree, motion)
-        return _compile(scene, parted, "recursive", start, angles, for_fmu=for_fmu)
+        return _compile(scene, parted, "recursive", start, angles, for_fmu, swings)
 
     model = compiled(_open_model(scene, tree))
 
@@ -228,9 +234,13 @@ def _open_model(scene, tree):
     return _assemble(builder, NO_STEPS)
 
 
-def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True):
-    """The model on a tree; `motion`: start values of absolute coordinates; `angles`: of joints at the start; `for_fmu`: as above."""
+def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True, swings=None):
+    """The model on a tree; `motion`: start values of absolute coordinates; `angles`: of joints at the start; `for_fmu`: as above;
+    `swings`: what memories of waves are to meet, if that is known.
+    """
+    swings = swings or Swings()
     builder = Builder(scene, tree, formulation == "embedding", angles)
+    builder.near = swings.near or {}
     add_settings(builder)
     add_drives(builder)
     add_bodies(builder)
@@ -254,6 +264,11 @@ def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True):
     states = list_states(builder, _scene_length(scene)) if for_fmu else ()
     model = _assemble(builder, STEPPERS[scene.solver.integrator], states)
     meet_waves(builder, model)
+
+    if swings.near is None and swings.find(builder, model):
+        return _compile(scene, tree, formulation, motion, angles, for_fmu, swings)
+
+    swings.tell(builder, model)
     notices = scene.notices + [str(notice) for notice in builder.notices]
 
     if not for_fmu:

@@ -1,12 +1,15 @@
 """Wind, and rotors in it."""
 
 import numpy as np
+import scipy  # which imports its parts when they are asked for
 
 from ..kernels import outputs
+from ..kernels.math.tables import HOLD
 from ..scene import Problem, SceneError
-from ..vectors import spline_at
+from ..vectors import norm, spline_at
 from ..vocabulary import ROTOR_OUTPUTS, ROTOR_PITCH, WIND_VELOCITY
 from .builder import Place, Source
+from .interpolation import curve, quintic_through
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -20,6 +23,12 @@ ROTOR_KINDS = {
 # of the table: cells for each step between its points, at most
 FINER = 2
 MOST_CELLS = 60
+
+# of a gust: 1e-9 of its size; an odd number, so that no knot is where it turns
+PIECES = 65
+
+# sin(3 x) (1 - cos(2 x)) by the sines of multiples of x
+EOG = {1: -0.5, 3: 1.0, 5: -0.5}
 
 # values and slopes at the ends of a unit interval to the coefficients of the cubic between
 HERMITE = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [-3, 3, -2, -1], [2, -2, 1, 1]])
@@ -92,11 +101,64 @@ def _wind_input(builder):
             wind_u=u, wind_velocity=steady.velocity, wind_profile=[steady.exponent, steady.reference_height]
         )
 
+        _add_gust(builder)
+
         if u < 0:
             about = "velocity of the wind at the reference height"
             builder.add_parameters("wind.velocity", Place("wind_velocity"), steady.velocity, "m/s", about)
 
     return int(table.columns["wind_u"][0][0])
+
+
+def _add_gust(builder):
+    """What is added to the wind over time, as tables."""
+    wind, gust = builder.scene.wind, builder.scene.wind.gust
+
+    if gust is None:
+        return
+
+    if gust.table:
+        time, velocity = np.array(gust.table.time), np.array(gust.table.velocity)
+        first = builder.tables_over_time(gust.table.interpolation, time, velocity)
+    else:
+        steady = np.array(wind.steady.velocity)
+        piece, way = _eog(gust.eog, steady, wind.steady.reference_height) if gust.eog else _step(gust.step)
+        first, *_ = [builder.table(_times(part, piece), HOLD) for part in way]
+
+    builder.tables["n_gust"].add(gust_table=first)
+
+
+def _eog(spec, steady, height):
+    """(speed over time, direction) of an extreme operating gust: -0.37 a sin(3 x)(1 - cos(2 x)) is a sum of sin(x), sin(3 x), sin(5 x)."""
+    speed = norm(steady)
+    x = np.linspace(0.0, np.pi, PIECES + 1)
+    rate = np.pi / spec.period
+    y, slope, bend = (
+        -0.37 * spec.size(speed, height) * sum(part * rate**n * k**n * f(k * x) for k, part in EOG.items())
+        for n, f in enumerate((np.sin, np.cos, lambda u: -np.sin(u)))
+    )
+    # it begins and ends smoothly, but for rounding
+    for values in (y, slope, bend):
+        values[[0, -1]] = 0.0
+
+    return quintic_through(spec.start + x / rate, y, slope, bend), steady / speed
+
+
+def _step(spec):
+    """(part of the change over time, the change)."""
+    if spec.rise == 0.0:
+        return curve("steps", [spec.start - 1.0, spec.start], [0.0, 1.0]), np.array(spec.velocity)
+
+    x = np.linspace(0.0, np.pi, PIECES + 1)
+    rate = np.pi / spec.rise
+    y, slope, bend = (1.0 - np.cos(x)) / 2, rate * np.sin(x) / 2, rate**2 * np.cos(x) / 2
+    slope[-1] = 0.0
+    return quintic_through(spec.start + x / rate, y, slope, bend), np.array(spec.velocity)
+
+
+def _times(factor, piece):
+    """A piecewise polynomial times a number."""
+    return scipy.interpolate.PPoly(factor * piece.c, piece.x)
 
 
 def _cells(ratio, pitch, thrust, torque):

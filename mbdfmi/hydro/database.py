@@ -57,6 +57,25 @@ class Coefficients:
         added, damping = self.added[:, k[:, None], k], self.damping[:, k[:, None], k]
         return replace(self, added=added, damping=damping, infinite=infinite, excitation=excitation)
 
+    def enlarged(self, times: float) -> "Coefficients":
+        """Of bodies so many times as large, in the same water, by Froude's law: times grow with its root."""
+        turns = np.arange(self.added.shape[1]) % 6 > 2
+        size = times ** (3.0 + turns[:, None] + turns)
+        slower = times**-0.5
+
+        def scaled(values, factor):
+            return None if values is None else values * factor
+
+        return replace(
+            self,
+            omega=self.omega * slower,
+            added=self.added * size,
+            damping=self.damping * size * slower,
+            infinite=scaled(self.infinite, size),
+            wave_omega=scaled(self.wave_omega, slower),
+            excitation=scaled(self.excitation, times ** (2.0 + turns)),
+        )
+
     def checked(self) -> tuple["Coefficients", list[str]]:
         """The same, symmetric, and what a user should be told. Raises ValueError for what no body has."""
         notes = []

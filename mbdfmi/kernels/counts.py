@@ -29,9 +29,11 @@ COUNTS = (
     "n_memory",  # their states
     "n_memory_row",  # of these, one for each body whose waves they are
     "n_shared_water",  # pairs of bodies that move each other's water
+    "n_resistance",  # dampings of these bodies beside waves, linear and quadratic
     "n_sea",  # 1: waves that act or are told
     "n_sea_wave",  # components of the sea
     "n_excitation",  # what waves do to bodies
+    "n_follow",  # these, where one of them or more are met by the waves where it is, else 0
     "n_part",  # components of that
     "n_grid",  # frequencies and headings at which it is known
     "n_response_point",  # pairs of these
@@ -39,6 +41,7 @@ COUNTS = (
     "n_current",  # 1: the sea has a current
     "n_member_drag",  # members that water drags at
     "n_wind",  # 1: wind
+    "n_gust",  # 1: it has a gust
     "n_wind_rotor",  # rotors in it
     "n_cell",  # pieces of their tables
     "n_constraint",  # joints that close loops, rolling, couplings

@@ -128,13 +128,16 @@ def next_of_tables(m, k, n, t):
 
 @apart(float64(MODEL, DATA), "mbdfmi_next_kink")
 def next_kink(m, d):
-    """s, the first time after now at which a load or a drive over time has a kink; infinite when there is none."""
+    """s, the first time after now at which a load, a gust or a drive over time has a kink; infinite when there is none."""
     t = d.time[0]
     found = math.inf
 
     for k in range(m.n_load):
         found = min(found, next_of_tables(m, m.load_force_table[k], 3, t))
         found = min(found, next_of_tables(m, m.load_moment_table[k], 3, t))
+
+    for k in range(m.n_gust):
+        found = min(found, next_of_tables(m, m.gust_table[k], 3, t))
 
     for k in range(m.n_drive):
         kind = m.drive_kind[k]

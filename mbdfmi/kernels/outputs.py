@@ -18,6 +18,7 @@ from .forces import (
     loads,
     members,
     radiation,
+    resistance,
     sea,
     six_by_six,
     stops,
@@ -140,6 +141,10 @@ RADIATION_POWER = 87
 EXCITATION_FORCE = 88
 EXCITATION_MOMENT = 89
 EXCITATION_POWER = 90
+# of resistance a, at its marker
+RESISTANCE_FORCE = 98
+RESISTANCE_MOMENT = 99
+RESISTANCE_POWER = 100
 # of the sea at marker b
 ELEVATION = 91
 # of the wind's rotor a
@@ -157,10 +162,9 @@ DRIVES_POWER = 62
 DISSIPATED_POWER = 63
 
 VECTORS = {POSITION, VELOCITY, ZYX, OMEGA, ALPHA, LINEAR_ACCELERATION, VELOCITY_BODY, OMEGA_BODY, ALPHA_BODY}
-VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT}
-VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE}
+VECTORS |= {LINEAR_ACCELERATION_BODY, REACTION_FORCE, REACTION_MOMENT, CONTACT_POINT, FRICTION_FORCE}
+VECTORS |= {LINEAR_MOMENTUM, ANGULAR_MOMENTUM, CENTER_OF_MASS, ZYX_RATE, RESISTANCE_FORCE, RESISTANCE_MOMENT}
 VECTORS |= {LINEAR_FORCE, LINEAR_MOMENT, LINEAR_ROTATION, GROUND_FORCE, GROUND_MOMENT, END_FRAME_AXIS}
-VECTORS |= {CONTACT_POINT, FRICTION_FORCE}
 VECTORS |= {HULL_CENTER, WATERPLANE_CENTER, WATERPLANE_MOMENTS, HULL_FORCE, HULL_MOMENT}
 VECTORS |= {LINE_FORCE, RADIATION_FORCE, RADIATION_MOMENT, EXCITATION_FORCE, EXCITATION_MOMENT, MEMBER_FORCE}
 WIDTH = {EULER_PARAMETERS: 4} | {kind: 3 for kind in VECTORS}
@@ -352,7 +356,7 @@ def write_line_output(m, d, kind, a, at, y):
 
 @kernel
 def write_wave_output(m, d, kind, a, at, y):
-    """An output of radiation a, of excitation a, or of the sea at marker a into y from `at` on."""
+    """An output of radiation, excitation or resistance a, or of the sea at marker a into y from `at` on."""
     if kind == ELEVATION:
         r = markers.position(m, d, a)
         waves.ready(m, d)
@@ -361,10 +365,18 @@ def write_wave_output(m, d, kind, a, at, y):
     elif kind == RADIATION_POWER or kind == EXCITATION_POWER:
         y[at] = radiation.power_of(m, d, a) if kind == RADIATION_POWER else waves.power_of(m, d, a)
 
+    elif kind == RESISTANCE_POWER:
+        y[at] = resistance.power_of(m, d, a)
+
     else:
-        of_radiation = kind == RADIATION_FORCE or kind == RADIATION_MOMENT
-        moment, force = radiation.wrench(m, d, a) if of_radiation else waves.wrench(m, d, a)
-        al.set_vec_at(y, at, force if kind == RADIATION_FORCE or kind == EXCITATION_FORCE else moment)
+        if kind >= RESISTANCE_FORCE:
+            moment, force = resistance.wrench(m, d, a)
+        else:
+            of_radiation = kind == RADIATION_FORCE or kind == RADIATION_MOMENT
+            moment, force = radiation.wrench(m, d, a) if of_radiation else waves.wrench(m, d, a)
+
+        pulls = kind == RADIATION_FORCE or kind == EXCITATION_FORCE or kind == RESISTANCE_FORCE
+        al.set_vec_at(y, at, force if pulls else moment)
 
 
 @kernel
@@ -373,7 +385,7 @@ def write_rotor_output(m, d, kind, a, at, y):
     if kind == ROTOR_POWER:
         y[at] = wind_rotors.power_of(m, d, a)
     else:
-        U, thrust, torque, axis = wind_rotors.loads(m, d, a)
+        U, thrust, torque, axis = wind_rotors.loads_on(m, d, a)
         y[at] = thrust if kind == ROTOR_THRUST else (torque if kind == ROTOR_TORQUE else U)
 
 
@@ -558,21 +570,18 @@ def write_outputs(m, d, y):
         elif LINE_TENSION <= kind <= LINE_POWER:
             write_line_output(m, d, kind, a, at, y)
 
-        elif RADIATION_FORCE <= kind <= ELEVATION:
+        elif RADIATION_FORCE <= kind <= ELEVATION or RESISTANCE_FORCE <= kind <= RESISTANCE_POWER:
             write_wave_output(m, d, kind, b if kind == ELEVATION else a, at, y)
 
         elif ROTOR_THRUST <= kind <= ROTOR_POWER:
             write_rotor_output(m, d, kind, a, at, y)
 
-        elif kind == MEMBER_POWER:
-            y[at] = members.power_of(m, d, a)
+        elif kind == MEMBER_POWER or kind == LOAD_POWER:
+            y[at] = members.power_of(m, d, a) if kind == MEMBER_POWER else loads.power_of(m, d, a)
 
         elif kind == MEMBER_FORCE:
             f = members.drag(m, d, a)
             al.set_vec_at(y, at, (f[3], f[4], f[5]))
-
-        elif kind == LOAD_POWER:
-            y[at] = loads.power_of(m, d, a)
 
         elif kind == JOINT_POWER or kind == DRIVEN_JOINT_POWER:
             y[at] = forces.power_along(m, d, a)

@@ -9,7 +9,19 @@ from ..files import csv_table
 from ..vocabulary import HYDRODYNAMICS_OUTPUTS, MEMBER_OUTPUTS, SEA_OUTPUTS
 from .ends import Between, Ends
 from .errors import show
-from .fields import Boolean, NotNegative, Number, OneOf, Part, Positive, SomeOf, Vector, number, number_or
+from .fields import (
+    Boolean,
+    NotNegative,
+    Number,
+    OneOf,
+    Part,
+    Positive,
+    SomeOf,
+    Vector,
+    array,
+    number,
+    number_or,
+)
 from .meshes import MeshFile
 
 
@@ -173,6 +185,42 @@ def _numbers(value):
     return tuple(int(item) for item in value)
 
 
+def _feels(value):
+    """true, false or "input"."""
+    if isinstance(value, bool) or value == "input":
+        return value
+    raise ValueError(f'needs true, false or "input", found {show(value)}')
+
+
+Excitation = Annotated[bool | str, BeforeValidator(_feels)]
+
+
+def _for_each(*shapes, what):
+    """The type of an array, or of a list of such arrays, one for each body."""
+
+    def check(value):
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
+        try:
+            return array(value, *shapes, what=what)
+        except ValueError:
+            depths = [_depth(item) for item in value] if isinstance(value, (list, tuple)) else [0]
+            if min(depths, default=0) < min(len(shape) for shape in shapes):
+                raise
+        return tuple(array(item, *shapes, what=f"for each body {what}") for item in value)
+
+    return Annotated[tuple, BeforeValidator(check)]
+
+
+def _depth(value):
+    """How many lists a number is in."""
+    return 1 + _depth(value[0]) if isinstance(value, (list, tuple)) and value else 0
+
+
+Places = _for_each((3,), what="3 numbers [x, y, z]")
+Blocks = _for_each((6, 6), (6,), what="a 6x6 matrix, 6 rows of 6 numbers, or its diagonal, 6 numbers")
+
+
 class HydrodynamicsOptions(Part):
     """Coefficients over frequency from a file.
 
@@ -185,30 +233,86 @@ class HydrodynamicsOptions(Part):
         waves travel.
     bodies : numbers from 1 of the bodies of the file that the ends are of, in their order; left out, all. Others are as if held still.
     scale : m, the length that WAMIT's numbers are non-dimensional by (ULEN).
+    froude : how many times as large the bodies are as those of the file, by Froude's law, as of a model in a tank: lengths grow with it,
+        times with its root, masses and forces with its third power, in water of the density that the scene has.
+    reference : (3,) m in the axes of the end, the point of the body that the coefficients are about; left out, the end's origin. Of
+        several bodies one for each.
     radiation : how the memory of waves made is fitted, or false: none, added mass at infinite frequency alone.
-    excitation : whether the sea's waves act.
+    excitation : whether the sea's waves act; or "input": force (N) and moment (N m) about the point of reference, inertial axes, are inputs
+        of the FMU in their place, so that a sea from elsewhere drives the body.
+    position : where waves meet a body. "mean": where it starts; loads are kept at knots in time. "now": where its point of reference is,
+        so that phases lag as it drifts; that is the plain sum of components, anew at each evaluation (200 of them cost some us).
+    damping : (6, 6) N s/m, N s, N m s, or its diagonal, beside waves made: force and moment about the point of reference are -damping
+        (velocity, angular velocity), inertial axes. Of several bodies one for each.
+    quadratic : likewise, of each component of velocity and angular velocity times its size.
     """
 
     file: DataName = Field(description='as in file = "barge.1"')
     bodies: Annotated[tuple[int, ...], BeforeValidator(_numbers)] | None = None
     scale: Positive = 1.0
+    froude: Positive = 1.0
+    reference: Places | None = None
     radiation: number_or(Boolean, RadiationOptions) = True
-    excitation: Boolean = True
+    excitation: Excitation = True
+    position: OneOf("mean", "now") = "mean"
+    damping: Blocks | None = None
+    quadratic: Blocks | None = None
+
+    @model_validator(mode="after")
+    def _check_together(self):
+        if "position" in self.model_fields_set and self.excitation is not True:
+            raise ValueError(
+                f"position is about waves of the sea, and excitation is {show(self.excitation)}; leave it out"
+            )
+
+        if self.froude != 1.0 and isinstance(self.radiation, RadiationOptions) and self.radiation.file:
+            raise ValueError(
+                "froude scales coefficients; radiation.file is a ready model of one size: leave one of them out"
+            )
+
+        for key in ("damping", "quadratic"):
+            for k, matrix in enumerate(self.matrices(key), 1):
+                if matrix.diagonal().min() < 0.0:
+                    j = int(matrix.diagonal().argmin()) + 1
+                    raise ValueError(
+                        f"{key} gives energy: [{j}][{j}] is {show(float(matrix.diagonal().min()))}"
+                        + (f" of body {k}" if k > 1 else "")
+                        + "; it takes energy where its diagonal is not negative"
+                    )
+        return self
+
+    def matrices(self, key):
+        """[(6, 6)] of a key: of the one body, or of each; [] where it is left out."""
+        value = getattr(self, key)
+        if value is None:
+            return []
+
+        several = _depth(value) == 3 or (_depth(value) == 2 and len(value) != 6)
+        found = [np.array(item) for item in (value if several else (value,))]
+        return [np.diag(item) if item.ndim == 1 else item for item in found]
+
+    def places(self):
+        """[(3,)] m: of the point of reference of the one body, or of each; [] where it is left out."""
+        if self.reference is None:
+            return []
+        return [
+            np.array(item) for item in (self.reference if _depth(self.reference) == 2 else [self.reference])
+        ]
 
 
 class Hydrodynamics(Part):
-    """hydrodynamics = { file, bodies, scale, radiation, excitation }, on : the end about whose origin the coefficients are.
+    """hydrodynamics = { file, bodies, scale, radiation, excitation, ... }, on : the end about whose origin the coefficients are.
 
     Cummins' equation: added mass at infinite frequency (part of the body's inertia), memory of the waves that the body makes, and what
-    those of the sea do to it where it starts. Axes are those of the inertial frame, whatever way the body turns (linear theory). Buoyancy
-    is for `hydrostatics` or `linear` beside it, drag for `linear`.
+    those of the sea do to it. Axes are those of the inertial frame, whatever way the body turns (linear theory). Buoyancy
+    is for `hydrostatics` or `linear` beside it.
 
     Of a file of several bodies `on` is a list, an end for each. They feel the waves that the others make, and move their water; loads of
     the sea are those at the places that the file has them at, whose origin is that of the inertial frame. Such scenes are of
     `formulation` "embedding".
 
-    output : force (N) and moment (N m) of radiation, without added mass, and of excitation about the end's origin, inertial axes; the
-        power of both on the body, W. Of several bodies each has its own: water.ship.radiation_force.
+    output : force (N) and moment (N m) of radiation, without added mass, of excitation, and of `damping` and `quadratic`, about the end's
+        origin or `reference`, inertial axes; their powers on the body, W. Of several bodies each has its own: water.ship.radiation_force.
     """
 
     kind: ClassVar[str] = "hydrodynamics"
@@ -217,6 +321,20 @@ class Hydrodynamics(Part):
     hydrodynamics: HydrodynamicsOptions
     on: Ends = Field(description='the end about which the coefficients are, as in on = "body.waterline"')
     output: SomeOf(*HYDRODYNAMICS_OUTPUTS) = ()
+
+    @model_validator(mode="after")
+    def _check_numbers(self):
+        spec, ends = self.hydrodynamics, len(self.between)
+        told = {key: len(spec.matrices(key)) for key in ("damping", "quadratic")} | {
+            "reference": len(spec.places())
+        }
+        for key, count in told.items():
+            if count not in (0, ends):
+                ends_told = "one end" if ends == 1 else f"{ends} ends"
+                raise ValueError(
+                    f"{key} is of {count} bod{'y' if count == 1 else 'ies'}, `on` names {ends_told}; one for each"
+                )
+        return self
 
     @property
     def between(self):

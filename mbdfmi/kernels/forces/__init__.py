@@ -26,6 +26,7 @@ from . import (
     loads,
     members,
     radiation,
+    resistance,
     six_by_six,
     stops,
     struts,
@@ -65,6 +66,7 @@ def apply(m, d):
     hydrostatics.add(m, d)
     catenaries.add(m, d)
     radiation.add(m, d)
+    resistance.add(m, d)
     waves.add(m, d)
     wind_rotors.add(m, d)
     members.add(m, d)
@@ -92,6 +94,7 @@ def dissipated(m, d):
         + struts.dissipated(m, d)
         + six_by_six.dissipated(m, d)
         + radiation.dissipated(m, d)
+        + resistance.dissipated(m, d)
         + members.dissipated(m, d)
     )
 

@@ -4,13 +4,17 @@ F(t) = sum over k of Re(F_k e^(i omega_k t)) of six numbers, force and moment at
 of the component's frequency and heading: bicubic between its points, by values and derivatives at these. A sum of hundreds of
 components is dear, so its value and three derivatives are kept at knots j D of time, a ring of them, and between two knots there
 is a polynomial of degree 7. What a knot holds depends on its time and on parameters alone: what is kept in scratch changes no result.
+
+Where waves meet a body where it is, and not where it starts, each component lags by k . (p - p_0), p its marker's place now: that
+is the plain sum, anew at each evaluation.
 """
 
 import math
 
 from ..language import apart, inlined
+from ..math import algebra as al
 from ..motion import markers
-from ..signatures import DATA, MODEL, int64, void
+from ..signatures import DATA, MODEL, Tuple, float64, int64, void
 from . import sea
 
 RING = 8
@@ -21,6 +25,8 @@ KNOTS = 8.0
 
 # rad, by which a heading may be beyond the last one that is known
 BESIDE = 1e-6
+
+WRENCH = Tuple((float64,) * 6)
 
 
 @inlined
@@ -198,10 +204,41 @@ def between(p, a, b, i, s):
     return y + s * (v + s * (c + s * (e + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
+@apart(WRENCH(MODEL, DATA, int64))
+def sum_where_it_is(m, d, k):
+    """Force (N) and moment (N m) on element k now by all components, whose phases are those at its marker."""
+    r = markers.position(m, d, m.excitation_marker[k])
+    x = r[0] - m.follow_place[2 * k]
+    y = r[1] - m.follow_place[2 * k + 1]
+    force = al.ZERO3
+    moment = al.ZERO3
+
+    for p in range(m.n_sea_wave):
+        phase = d.sea_wave[7 * p + 1] * d.now[0] - d.sea_wave[7 * p + 3] * x - d.sea_wave[7 * p + 4] * y
+        c = math.cos(phase)
+        s = -math.sin(phase)
+        at = 4 * (m.n_sea_wave * k + p)
+        force = al.axpy(c, al.vec3(d.part_force, at), al.axpy(s, al.vec3(d.part_force, at + 2), force))
+        moment = al.axpy(c, al.vec3(d.part_force, at + 1), al.axpy(s, al.vec3(d.part_force, at + 3), moment))
+
+    return force[0], force[1], force[2], moment[0], moment[1], moment[2]
+
+
+@inlined
+def follows(m, k):
+    """Whether waves meet element k where it is."""
+    return m.n_follow > 0 and m.excitation_follows[k] == 1
+
+
 @inlined
 def wrench(m, d, k):
     """Of element k on its body at its marker now: (moment N m, force N), inertial axes."""
     ready(m, d)
+
+    if follows(m, k):
+        f = sum_where_it_is(m, d, k)
+        return (f[3], f[4], f[5]), (f[0], f[1], f[2])
+
     D = step(d)
     j = math.floor(d.now[0] / D)
     s = d.now[0] / D - j

@@ -10,6 +10,7 @@ import math
 from ..language import inlined
 from ..math import algebra as al
 from ..motion import markers
+from . import loads
 
 # m, below which the wind falls no further
 LOWEST = 0.1
@@ -27,6 +28,10 @@ def wind_at(m, d, z):
     # the power law of the boundary layer
     if m.wind_profile[0] != 0.0:
         v = al.scale(math.pow(max(z, LOWEST) / m.wind_profile[1], m.wind_profile[0]), v)
+
+    # the same at all heights
+    if m.n_gust > 0 and m.gust_table[0] >= 0:
+        v = al.add(v, loads.table_vector(m, m.gust_table[0], d.now[0]))
 
     return v
 
@@ -57,7 +62,7 @@ def coefficients(m, k, ratio, pitch):
 
 
 @inlined
-def loads(m, d, k):
+def loads_on(m, d, k):
     """(U m/s, thrust N, torque N m, the marker's x axis) of rotor k."""
     b = m.wind_rotor_marker[k]
     A = markers.axes(m, d, b)
@@ -84,7 +89,7 @@ def loads(m, d, k):
 def add(m, d):
     """Their wrenches onto the bodies."""
     for k in range(m.n_wind_rotor):
-        U, thrust, torque, axis = loads(m, d, k)
+        U, thrust, torque, axis = loads_on(m, d, k)
         b = m.wind_rotor_marker[k]
         r = markers.position(m, d, b)
         markers.add_wrench(m, d, m.marker_body[b], r, al.scale(torque, axis), al.scale(thrust, axis))
@@ -93,7 +98,7 @@ def add(m, d):
 @inlined
 def power_of(m, d, k):
     """W, of the wind on rotor k's body."""
-    U, thrust, torque, axis = loads(m, d, k)
+    U, thrust, torque, axis = loads_on(m, d, k)
     return markers.power(m, d, m.wind_rotor_marker[k], al.scale(torque, axis), al.scale(thrust, axis))
 
 

@@ -140,7 +140,8 @@ class System:
         self.joints = {name: Joint(given, name, table) for name, table in data.get("joint", {}).items()}
         self.couplings = {name: Coupling(name, table) for name, table in data.get("coupling", {}).items()}
         self.elements = {
-            name: element(given, name, table, data, self.end) for name, table in data.get("force", {}).items()
+            name: element(given, name, self._about_its_point(name, table), data, self.end)
+            for name, table in data.get("force", {}).items()
         }
         self.contacts = {
             name: Contact(joint, [self._frame_table(end) for end in joint.ends])
@@ -178,6 +179,17 @@ class System:
             self._ends[end] = owner, *pose(self._frame_table(end) if "." in end else {})
 
         return self._ends[end]
+
+    def _about_its_point(self, name, force):
+        """A force whose end is the point that its coefficients are about."""
+        place = force.get("hydrodynamics", {}).get("reference")
+
+        if place is None:
+            return force
+
+        owner, position, axes = self.end(force["on"])
+        self._ends[f"{owner}.reference of {name}"] = owner, position + axes @ np.array(place, float), axes
+        return force | {"on": f"{owner}.reference of {name}"}
 
     def frame(self, motions, end):
         """(r, A, v, w) of an end."""

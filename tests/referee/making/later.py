@@ -30,8 +30,12 @@ def add(seed, mechanism, forces, gravity):
     if "the radiation" in forces and Dice(seed, 17).chance(0.5):
         forces["the radiation"]["hydrodynamics"]["bodies"] = [1.0]
 
+    if "the radiation" in forces:
+        water.feel(Dice(seed, 21), forces["the radiation"], gravity.get("sea", {}))
+
     if mechanism.taste["sea"] or Dice(seed, 12).chance(0.07):
         water.blow(Dice(seed, 13), mechanism, forces, gravity)
+        water.gust(Dice(seed, 22), gravity["wind"])
 
     dice = Dice(seed, 6)
     for marker in mechanism.ground_marker.values():

@@ -54,6 +54,7 @@ FORCES = {
     "rotor": ("thrust", "torque", "wind", "power"),
 }
 EXCITATION = ("excitation_force", "excitation_moment", "excitation_power")
+DAMPING = ("damping_force", "damping_moment", "damping_power")
 RADIATION = ("radiation_force", "radiation_moment", "radiation_power")
 STRUT = ("length", "rate", "tension", "spring_force", "damper_force", "power")
 
@@ -130,8 +131,10 @@ class Teller:
 def of_potential(table, sea):
     """What a body that makes waves can tell of them, and of those of the sea."""
     options = table["hydrodynamics"]
-    feels = sea and "waves" in sea and options.get("excitation", True)
-    return [*(() if options.get("radiation") is False else RADIATION), *(EXCITATION if feels else ())]
+    feels = sea and "waves" in sea and options.get("excitation", True) is True
+    damps = "damping" in options or "quadratic" in options
+    told = () if options.get("radiation") is False else RADIATION
+    return [*told, *(EXCITATION if feels else ()), *(DAMPING if damps else ())]
 
 
 def texts(dice) -> dict:

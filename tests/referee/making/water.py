@@ -170,3 +170,53 @@ def blow(dice, mechanism, forces, air):
     at = mechanism.end(dice.pick(mechanism.body), frames.place(dice, 0.4)[0] if dice.chance(0.7) else {})
     forces["the blades"] = {"rotor": options, "on": at}
     forces["the blades"] |= {"input": ["pitch"]} if dice.chance(0.5) else {}
+
+
+def feel(dice, force, sea):
+    """Maybe more of a body that makes waves: damping beside them, another point, another size, a sea from elsewhere."""
+    options = force["hydrodynamics"]
+    memory = options.get("radiation")
+    ready = isinstance(memory, dict) and "file" in memory
+
+    if dice.chance(0.3) and not ready:
+        options["froude"] = dice.pick([1.1, 1.25])
+    if dice.chance(0.35):
+        options["reference"] = dice.vector(0.3)
+    if dice.chance(0.35):
+        options["damping"] = dice.pick([dice.numbers(6, 0.0, 2.0), _pulls_back(dice)])
+    if dice.chance(0.35):
+        options["quadratic"] = dice.pick([dice.numbers(6, 0.0, 2.0), _pulls_back(dice)])
+    if dice.chance(0.3):
+        options["excitation"] = "input"
+    elif "waves" in sea and options.get("excitation", True) and dice.chance(0.5):
+        options["position"] = dice.pick(["now", "now", "mean"])
+
+
+def _pulls_back(dice):
+    """A symmetric matrix that takes energy, by rows."""
+    half = np.array([dice.numbers(6, -0.5, 0.5) for _ in range(6)])
+    return (half @ half.T + 0.05 * np.eye(6)).round(4).tolist()
+
+
+def gust(dice, wind):
+    """Maybe a gust."""
+    kind = dice.pick(["eog", "step", "table", None])
+    start = dice.number(0.0, 0.5)
+
+    if kind == "eog":
+        options = {"start": start, "period": dice.number(0.5, 3.0)}
+        by_class = {"turbine_class": dice.pick(["I", "II", "III"]), "diameter": dice.number(1.0, 40.0)}
+        by_class |= {"turbulence": dice.pick(["A+", "A", "B", "C"])} if dice.chance(0.9) else {}
+        options |= by_class if dice.chance(0.55) else {"amplitude": dice.number(0.5, 3.0)}
+    elif kind == "step":
+        options = {"start": start, "velocity": dice.vector(2.0)}
+        options |= {"rise": dice.pick([0.0, dice.number(0.2, 1.0)])} if dice.chance(0.8) else {}
+    elif kind == "table":
+        options = {"time": np.cumsum(dice.numbers(4, 0.1, 0.6)).round(4).tolist()}
+        options["velocity"] = [dice.vector(2.0) for _ in range(4)]
+        options |= (
+            {"interpolation": dice.pick(["linear", "steps", "monotone", "cubic"])} if dice.chance(0.7) else {}
+        )
+
+    if kind:
+        wind["gust"] = {kind: options}
