@@ -143,7 +143,6 @@ def link(
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / header.NAME).write_text(header.layout_header())
         table = folder / "table.c"
         table.write_text(table_text or header.table_of_kernels())
         objects = [folder / f"{source.stem}.o" for source in compiled]
@@ -152,14 +151,41 @@ def link(
         )
 
         output = folder / f"fmu{platform.suffix}"
-        sources = [*wrapper_sources(fmi), table, *objects]
-        includes = [f"-I{folder}", f"-I{_headers()}"]
-        _zig(
-            platform,
-            folder,
-            [("-shared", *platform.flags, *wrapper_flags, *includes, *sources, "-lm", "-o", output)],
-        )
+        sources = [*wrapper_objects(platform, wrapper_flags, fmi), table, *objects]
+        _zig(platform, folder, [("-shared", *platform.flags, *wrapper_flags, *sources, "-lm", "-o", output)])
         library.write_bytes(output.read_bytes())
+
+
+def wrapper_objects(platform: Platform, flags: tuple, fmi: int | None) -> list[Path]:
+    """The wrapper compiled for a platform, of one version of FMI or of all, made once and kept: it is the same
+    for all scenes. Raises LinkError.
+    """
+    # the linker's would take all away from a file that by itself calls nothing
+    flags = tuple(flag for flag in flags if not flag.startswith("-Wl,"))
+    digest = hashlib.sha256("\0".join([wrapper_hash(), platform.target, str(fmi), *flags]).encode())
+    kept = cache_directory() / "wrapper" / digest.hexdigest()[:20]
+    sources = wrapper_sources(fmi)
+    objects = [kept / f"{source.stem}.o" for source in sources]
+
+    with native.alone(f"wrapper-{kept.name}"):
+        if not all(path.exists() for path in objects):
+            kept.mkdir(parents=True, exist_ok=True)
+
+            with tempfile.TemporaryDirectory(dir=kept) as name:
+                folder = Path(name)
+                (folder / header.NAME).write_text(header.layout_header())
+                given = (*flags, f"-I{folder}", f"-I{_headers()}", "-c")
+                made = [folder / path.name for path in objects]
+                tasks = [(*given, source, "-o", path) for source, path in zip(sources, made)]
+                together = os.cpu_count() or 1
+
+                for k in range(0, len(tasks), together):
+                    _zig(platform, folder, tasks[k : k + together])
+
+                for path, to in zip(made, objects):
+                    path.replace(to)
+
+    return objects
 
 
 def _zig(platform, folder, tasks):
