@@ -104,15 +104,20 @@ class Function:
         """A name as one that C leaves free."""
         return f"{name}_" if name in _RESERVED or name in _OF_ARRAYS or name in KINDS.values() else name
 
-    def learn(self, name: str, shape):
-        """A variable may be that too. Returns all that it may be.
+    def learn(self, name: str, shape, counts: bool = False):
+        """A variable may be that too. Returns all that it may be. counts : it is a loop's counter.
 
-        One that is a number here and a tuple there is two in C; whoever reads it means the one given a value
-        last.
+        One that is a number here and a tuple there, or a real number here and counts there, is two in C;
+        whoever reads it means the one given a value last.
         """
         shape = _kept(shape)
         versions = (name, *(f"{name}_{k}" for k in range(2, 10)))
-        version = next(each for each in versions if _go_together(self.variables.get(each), shape))
+        known = {each: self.variables.get(each) for each in versions}
+        version = next(
+            each
+            for each, before in known.items()
+            if _go_together(before, shape) and not (counts and _is_real(before))
+        )
         self.versions[name] = version
         before = self.variables.get(version)
         found = self.variables[version] = join(before, shape)
@@ -209,6 +214,10 @@ class Function:
                 found.append((word, self._declared(types, word, shape)))
 
         return found
+
+
+def _is_real(shape):
+    return isinstance(shape, Number) and shape.kind == REAL
 
 
 def _go_together(a, b):

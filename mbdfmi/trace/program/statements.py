@@ -215,7 +215,7 @@ class Statements(Expressions):
         ):
             return [], True
 
-        self.function.learn(name, _turns(first, last, step))
+        self.function.learn(name, _turns(first, last, step), counts=True)
         items, _ = self.block(body)
         spelled = self.function.spelled(name)
         counter = spelled if self.function.counts_alone(name) else self.function.another(ANY_INT, True)
