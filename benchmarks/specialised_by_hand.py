@@ -45,7 +45,8 @@ static int32_t kernel(const Run *run)
 
 int many(double *reals, double *state, double *work, double *u, long times)
 {{
-    const Run run = {{reals, state, work, u}};
+    double once[1 + {once}] = {{0.0}};
+    const Run run = {{reals, state, work, u, once}};
     int failed = {unused};
 
     for (; times > 0; times--) {{
@@ -57,7 +58,7 @@ int many(double *reals, double *state, double *work, double *u, long times)
 """
 
 
-def _compiled(text, flags, folder):
+def compiled(text, flags, folder):
     """A library of some C."""
     source = Path(tempfile.mkstemp(".c", dir=folder)[1])
     source.write_text(text)
@@ -77,10 +78,17 @@ class Traced:
         self.operations = made.operations
         x, rate = places(model, "x"), places(model, "x_rate")
         unused = "0" if made.guards else "0 * kernel(&run)"
-        text = _MANY.format(text=made.text("kernel"), n=len(x), x=x.start, rate=rate.start, unused=unused)
+        text = _MANY.format(
+            text=made.text("kernel"),
+            n=len(x),
+            x=x.start,
+            rate=rate.start,
+            unused=unused,
+            once=made.once[1],
+        )
         program = Program()
         parts = [PREAMBLE, *program.text(searches.called(program, made.calls), text), text]
-        self.many = _compiled("\n\n".join(parts), flags, folder).many
+        self.many = compiled("\n\n".join(parts), flags, folder).many
         self.many.argtypes = [ctypes.c_void_p] * 4 + [ctypes.c_long]
 
     def __call__(self):
@@ -94,7 +102,7 @@ class Hand:
 
     def __init__(self, problem, flags, folder):
         source = Path(__file__).with_name("by_hand.c").read_text()
-        self.many = _compiled(source, flags, folder).by_hand_many
+        self.many = compiled(source, flags, folder).by_hand_many
         self.many.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]
         self.system, self.n = SYSTEMS[problem.name]
         self.x = np.zeros(8)

@@ -56,7 +56,8 @@ static int32_t kernel(const Run *run)
 
 int32_t scene(double *reals, double *state, double *work, double *u)
 {{
-    const Run run = {{reals, state, work, u}};
+    double once[1 + {once}] = {{0.0}};
+    const Run run = {{reals, state, work, u, once}};
 
     return traced_rates(&run);
 }}
@@ -74,7 +75,7 @@ def traced(tmp_path_factory):
 
     for k, made in enumerate(found.values()):
         source = folder / f"scene{k}.c"
-        text = ENTRY.format(text=made.text("kernel"))
+        text = ENTRY.format(text=made.text("kernel"), once=made.once[1])
         program = Program()
         parts = [PREAMBLE, *program.text(searches.called(program, made.calls), text)]
         text = re.sub(r"\b(scene|fallbacks)\b", rf"\g<1>{k}", text)

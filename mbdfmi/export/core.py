@@ -5,6 +5,7 @@ bounded number of operations, but for Newton's method where loops are closed (at
 """
 
 import inspect
+import itertools
 from collections.abc import Sequence
 
 from ..kernels.entry import ENTRIES
@@ -34,6 +35,7 @@ PREAMBLE = """#include <math.h>
 typedef struct {
     const double *reals;
     double *state, *work, *u;
+    double *once; /* what follows from parameters alone */
 } Run;"""
 
 
@@ -48,9 +50,10 @@ def core(model, traced: Sequence[Traced] = ()) -> str:
     entries = [program.add(plain_function(kernel), _arguments(kernel)) for kernel in ENTRIES.values()]
     names = {kernel: program.replaced.get(plain_function(kernel)) for kernel in ENTRIES.values()}
     called = [names[kernel] or function.name for kernel, function in zip(ENTRIES.values(), entries)]
-    ends = [_entry(symbol, name) for symbol, name in zip(ENTRIES, called)]
-    found = _used(program, traced, entries, "\n".join(ends))
-    texts = [_written(program, each) for each in found]
+    found = _used(program, traced, entries, called)
+    places = [0, *itertools.accumulate(each.once[1] for each in found)]
+    ends = [_entry(symbol, name, places[-1]) for symbol, name in zip(ENTRIES, called)]
+    texts = [_written(program, each, place) for each, place in zip(found, places)]
     others = searches.called(program, set().union(*(each.calls for each in found)))
     behind = [*texts, *ends]
     wanted = [
@@ -68,8 +71,9 @@ def _not_replaced(program, functions):
     return [function for function in functions if function.python not in program.replaced]
 
 
-def _used(program, traced, entries, ends):
+def _used(program, traced, entries, called):
     """Of what is traced what the scene calls, also what stands for what is left to a kernel."""
+    ends = " ".join(called)
     wanted = _not_replaced(program, entries)
     found: list[Traced] = []
 
@@ -99,29 +103,31 @@ def _shapes_of(traced, kernel):
     return views + (others if kernel is traced.kernel else [])
 
 
-def _written(program, traced):
-    """A traced function in C."""
+def _written(program, traced, place):
+    """A traced function in C. place : of its own in `once`."""
     names = {kernel: program.add(kernel, _shapes_of(traced, kernel)).name for kernel in _calls_of(traced)}
-    return traced.text(names.get(traced.kernel, ""), f"{names[traced.before]}(run)" if traced.before else "")
+    before = f"{names[traced.before]}(run)" if traced.before else ""
+    return traced.text(names.get(traced.kernel, ""), before, place)
 
 
 def _arguments(kernel):
     return [_SHAPES[kind] for kind in kernel.signature.args]
 
 
-def _entry(symbol, function):
-    """An entry as the wrapper calls it."""
+def _entry(symbol, function, places):
+    """An entry as the wrapper calls it. places : in `once`."""
     others = [
         name
         for kind, name in zip(ENTRIES[symbol].signature.args, inspect.signature(ENTRIES[symbol]).parameters)
         if kind not in (MODEL, DATA)
     ]
     head = header.prototype(symbol)
+    once = f"    double once[{places}] = {{0.0}};\n" if places else ""
     return f"""{head};
 
 {head}
 {{
-    const Run run = {{m_reals, d_state, d_work, d_u}};
+{once}    const Run run = {{m_reals, d_state, d_work, d_u, {"once" if places else "0"}}};
 
     (void)excinfo;
     (void)m_ints;

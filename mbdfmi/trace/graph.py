@@ -353,8 +353,8 @@ class Graph:
 
         return a
 
-    def needed(self, wanted):
-        """The nodes that some need, themselves included, in order."""
+    def needed(self, wanted, known=()):
+        """The nodes that some need, themselves included, in order. known : those that need nothing."""
         seen = set()
         stack = list(wanted)
 
@@ -363,7 +363,7 @@ class Graph:
 
             if k not in seen:
                 seen.add(k)
-                stack += self.nodes[k].args
+                stack += () if k in known else self.nodes[k].args
 
         return sorted(seen)
 

@@ -10,10 +10,12 @@ from typing import NamedTuple
 from ..kernels.dynamics import projection
 from .c99 import C99
 from .graph import Untraceable
+from .once import Once, stillness
 from .places import GIVEN_WORK, places_of
 from .plain import plain_function
 from .record import Guard, Tracer
 from .specialise import PROJECTIONS, READING, Traced, Writing, held, kept, prepared, tracer_of
+from .sufficient import sufficient
 from .write import Body
 
 NAME = "traced_projection"
@@ -91,15 +93,30 @@ def trace_projection(instance) -> Traced:
 def _written_out(writing, tracer, ways):
     graph = tracer.graph
     ends = [_is_closed(tracer, graph, *way.gaps) for way in ways]
-    wanted = [
-        [end, *(k for _, k in way.stores), *(guard.node for guard in way.guards.values())]
-        for end, way in zip(ends, ways)
+    is_still = stillness(writing.model)
+    stored = [[end, *(k for _, k in way.stores)] for end, way in zip(ends, ways)]
+    ways = [
+        way._replace(guards={g.node: g for g in sufficient(graph, way.guards.values(), each, is_still)})
+        for way, each in zip(ways, stored)
     ]
-    everything = [k for each in wanted for k in each]
-    over = writing.first(everything, [store for way in ways for store in way.stores])
-    body = Body(graph, [], C99, READING, over, wanted)
-    lines = body.lines
+    once = Once(
+        graph,
+        [k for each in stored for k in each],
+        [guard for way in ways for guard in way.guards.values()],
+        is_still,
+        READING,
+    )
+    everything = [k for each, way in zip(stored, ways) for k in (*each, *way.guards)]
+    rests = [(end, list(way.guards.values())) for end, way in zip(ends, ways)]
+    moving = {guard.node for guard in once.moving}
+    ways = [way._replace(guards={k: g for k, g in way.guards.items() if k in moving}) for way in ways]
+    wanted = [[*each, *way.guards] for each, way in zip(stored, ways)]
+    over = writing.first(
+        [k for each in wanted for k in each], [store for way in ways for store in way.stores], once.texts
+    )
+    body = Body(graph, [], C99, READING, over, wanted, once.texts)
     counted = writing.left("generic_calls", PROJECTIONS)
+    lines = [*once.called(f"{NAME}_once", counted), *body.lines]
     done: set[int] = set()
 
     for n, (end, way) in enumerate(zip(ends, ways)):
@@ -119,8 +136,8 @@ def _written_out(writing, tracer, ways):
     needed = graph.needed(everything)
     _check(writing, [graph.nodes[k].about for k in needed if graph.nodes[k].op == "leaf"])
     kernel = plain_function(projection.project)
-    rests = [(end, list(way.guards.values())) for end, way in zip(ends, ways)]
-    return Traced(kernel, NAME, body.calls, lines, len(needed), rests, graph)
+    kept = (once.lines(), once.count) if once.count else ((), 0)
+    return Traced(kernel, NAME, body.calls, lines, len(needed), rests, graph, once=kept)
 
 
 def _check(writing, leaves):

@@ -60,6 +60,7 @@ class _Buffer:
         self.initial = initial.tolist()
         self.given = given
         self.zeros = zeros
+        self.zero: set[int] = set()
         self.now: dict[int, object] = {}
 
     def read(self, j):
@@ -74,8 +75,12 @@ class _Buffer:
 
         if j in self.given:
             leaf = symbol_of(self.tracer, self.tracer.graph.leaf((self.name, j), value))
-            known = value == 0.0 and j in self.zeros
-            return 0.0 if known and self.tracer.guard((leaf == 0.0).k) else leaf
+
+            if value == 0.0 and j in self.zeros and self.tracer.guard((leaf == 0.0).k):
+                self.zero.add(j)
+                return 0.0
+
+            return leaf
 
         # what must not survive a call is nothing, or it would be given
         if self.name == "work" and value != 0.0:
@@ -204,6 +209,10 @@ class Tracer:
 
         for j, value in sorted(self.buffers[buffer].now.items()):
             k = node_of(self, value)
+
+            # what is zero there by a guard
+            if j in self.buffers[buffer].zero and self.graph.known(k) == 0.0:
+                continue
 
             if self.graph.nodes[k].op != "leaf" or self.graph.nodes[k].about != (buffer, j):
                 found[j] = k

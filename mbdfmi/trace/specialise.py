@@ -4,7 +4,7 @@ Where a guard does not hold, a branch would go otherwise than where the kernel w
 written, translated by `program`, is called.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from types import FunctionType
 
@@ -15,6 +15,7 @@ from ..steppers import STEPPERS
 from .c99 import C99
 from .derivatives import forward
 from .graph import Graph, Untraceable
+from .once import Once, stillness
 from .places import (
     COMMANDED,
     GIVEN_WORK,
@@ -30,6 +31,7 @@ from .places import (
 from .plain import plain_function
 from .record import Guard, Tracer
 from .searches import VALUES
+from .sufficient import sufficient
 from .symbols import Symbol
 from .write import Body, Places
 
@@ -42,11 +44,12 @@ class Traced:
     """A kernel of one scene.
 
     kernel : the function that it stands for. name : in C. calls : functions in C that it calls. lines : its
-    statements, in which `{kernel}` is the call where a guard fails, and `{before}` that of what is called
-    first. operations : how many it does. ways : through it, the condition (a node) of each and what it rests
-    on; the first is gone whose condition holds. graph : of all that. more : what it takes beside the run,
-    (type, name) each. before : the kernel that is called first. spent : evaluations that it stands for, of a
-    Jacobian.
+    statements, in which `{kernel}` is the call where a guard fails, `{before}` that of what is called first,
+    and `{once}` the place of its own in `once`. operations : how many it does. ways : through it, the
+    condition (a node) of each and what it rests on; the first is gone whose condition holds. graph : of all
+    that. more : what it takes beside the run, (type, name) each. before : the kernel that is called first.
+    spent : evaluations that it stands for, of a Jacobian. once : what it computes once, if anything, and how
+    many places that takes.
     """
 
     kernel: FunctionType
@@ -59,6 +62,7 @@ class Traced:
     more: tuple[tuple[str, str], ...] = ()
     before: FunctionType | None = None
     spent: int = 0
+    once: tuple[Sequence[str], int] = ((), 0)
 
     @property
     def guards(self) -> list[Guard]:
@@ -71,14 +75,19 @@ class Traced:
         more = "".join(f", {kind}{name}" for kind, name in self.more)
         return f"static int32_t {self.name}(const Run *run{more})"
 
-    def text(self, kernel: str, before: str = "") -> str:
-        """The function in C. kernel : the function that does all where a guard fails. before : the call of
-        `before`.
+    def text(self, kernel: str, before: str = "", place: int = 0) -> str:
+        """The function in C, behind that of what it computes once. kernel : the function that does all where
+        a guard fails. before : the call of `before`. place : of its own in `once`.
         """
         given = ", ".join(["run", *(name for _, name in self.more)])
-        inside = "\n".join(f"    {line}" if line else "" for line in self.lines)
-        inside = inside.replace("{kernel}", f"{kernel}({given})").replace("{before}", before)
-        return f"{self.head}\n{{\n{inside}\n}}"
+        inside = _indented(self.lines).replace("{kernel}", f"{kernel}({given})").replace("{before}", before)
+        text = f"{self.head}\n{{\n{inside}\n}}"
+
+        if self.once[1]:
+            first = f"static void {self.name}_once(const Run *run)\n{{\n{_indented(self.once[0])}\n}}"
+            text = f"{first}\n\n{text}"
+
+        return text.replace("{once}", str(place))
 
     def failing(self, m, d) -> set[str]:
         """Where in the kernels the branches are that go otherwise in a run's present state."""
@@ -91,6 +100,10 @@ class Traced:
             return {f"{self.kernel.__module__}.{self.kernel.__name__}, its ways"}
 
         return {guard.place for guard in way if bool(found[guard.node]) is not guard.holds}
+
+
+def _indented(lines):
+    return "\n".join(f"    {line}" if line else "" for line in lines)
 
 
 def tracer_of(instance, work: Sequence[str] | None = GIVEN_WORK) -> Tracer:
@@ -232,11 +245,13 @@ class Writing:
         """The statement that counts what is left to the generic kernel."""
         return f"run->work[{places(self.model, counter).start + k}] += 1.0;"
 
-    def first(self, wanted: Sequence[int], stores: Sequence[tuple[str, int]]) -> list[int]:
-        """Nodes that are read before they are written over."""
+    def first(
+        self, wanted: Sequence[int], stores: Sequence[tuple[str, int]], known: Collection[int] = ()
+    ) -> list[int]:
+        """Nodes that are read before they are written over. known : what is read elsewhere."""
         graph = self.tracer.graph
         over = {place for place, _ in stores}
-        needed = (graph.nodes[k] for k in graph.needed(wanted))
+        needed = (graph.nodes[k] for k in graph.needed(wanted, known))
         leaves = {node.about for node in needed if node.op == "leaf"}
         return [graph.leaf(about, 0.0) for about in leaves if read(about) in over]
 
@@ -250,11 +265,16 @@ class Writing:
         before: Callable | None = None,
     ) -> Traced:
         """What has no branches that guards do not stand for. counted : the statement where one fails."""
-        graph, guards = self.tracer.graph, list(self.tracer.guards.values())
-        wanted = [k for _, k in self.stores] + [guard.node for guard in guards]
-        body = Body(graph, wanted, C99, READING, self.first(wanted, self.stores))
+        graph, stored = self.tracer.graph, [k for _, k in self.stores]
+        is_still = stillness(self.model)
+        guards = sufficient(graph, self.tracer.guards.values(), stored, is_still)
+        wanted = stored + [guard.node for guard in guards]
+        once = Once(graph, stored, guards, is_still, READING)
+        moving = stored + [guard.node for guard in once.moving]
+        body = Body(graph, moving, C99, READING, self.first(moving, self.stores, once.texts), (), once.texts)
         lines = [f"(void){argument};" for _, argument in more if before and argument == "row" and not guards]
-        lines += [*body.lines, *held(guards, body.__getitem__, "holds", counted)]
+        lines += once.called(f"{name}_once", counted)
+        lines += [*body.lines, *held(once.moving, body.__getitem__, "holds", counted)]
         lines += ["{before};"] if before else []
         lines += [f"{place} = {body[k]};" for place, k in self.stores]
         lines += [*self.last, f"return {status};"]
@@ -268,6 +288,7 @@ class Writing:
             graph,
             more,
             plain_function(before) if before else None,
+            once=(once.lines(), once.count) if once.count else ((), 0),
         )
 
 

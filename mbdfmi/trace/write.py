@@ -1,7 +1,7 @@
 """A graph written out in a language: statements for what is used more than once, the rest within them."""
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from .graph import Graph, Untraceable
@@ -54,7 +54,8 @@ class Body:
     """What some nodes need, as statements, in order.
 
     first : nodes that are read before all else is done, being written over then. branches : what each of the
-    branches wants that are written behind; what all need is done before them. calls : what is called.
+    branches wants that are written behind; what all need is done before them. known : nodes that are read
+    somewhere, and how. calls : what is called.
     """
 
     def __init__(
@@ -65,17 +66,19 @@ class Body:
         places: Places,
         first: Collection[int] = (),
         branches: Sequence[Iterable[int]] = (),
+        known: Mapping[int, str] | None = None,
     ):
         wanted = list(wanted)
         all_wanted = [*wanted, *(k for branch in branches for k in branch)]
         self.graph = graph
+        self.known = known or {}
         self.language = language
         self.places = places
         self.lines: list[str] = []
         self.calls: set[str] = set()
         self._text: dict[int, tuple[str, int]] = {}
         self._named = 0
-        needed = graph.needed(all_wanted)
+        needed = [k for k in self._needed(all_wanted) if k not in self.known]
         self._uses = Counter(a for k in needed for a in graph.nodes[k].args) + Counter(all_wanted)
         self.lines = self.more(wanted, branches, first)
 
@@ -83,11 +86,9 @@ class Body:
         self, wanted: Iterable[int], branches: Sequence[Iterable[int]] = (), first: Collection[int] = ()
     ) -> list[str]:
         """Statements for what more is wanted, and for what all of some branches that come behind need."""
-        common = (
-            set.intersection(*(set(self.graph.needed(branch)) for branch in branches)) if branches else set()
-        )
+        common = set.intersection(*(set(self._needed(branch)) for branch in branches)) if branches else set()
         before, self.lines = self.lines, []
-        self._state(sorted(common.union(self.graph.needed(wanted))), first)
+        self._state(sorted(common.union(self._needed(wanted))), first)
         found, self.lines = self.lines, before
         return found
 
@@ -97,6 +98,9 @@ class Body:
         found = Branch(self.more(wanted), {k: self[k] for k in wanted})
         self._text = text
         return found
+
+    def _needed(self, wanted):
+        return self.graph.needed(wanted, self.known)
 
     def _state(self, needed, first):
         """Statements of some nodes that have none yet."""
@@ -131,6 +135,9 @@ class Body:
         """(text, how strongly it binds) of an operation on its operands."""
         node = self.graph.nodes[k]
         op, args = node.op, node.args
+
+        if k in self.known:
+            return self.known[k], _ATOM
 
         if op == "constant":
             text = self.language.number(self.graph.values[k])

@@ -1,0 +1,258 @@
+"""Guards that are cheaper than what a kernel asks, and enough: where they hold, so does that.
+
+Most of what kernels ask in every evaluation is far from being in question: whether inertia about a joint is
+more than rounding, whether a row of a loop adds anything to the rows before it. To ask it exactly, sums are
+needed that nothing else needs, of what things could be at most. Here these sums take bounds that do not
+change in a run: absolute values are added where the kernel adds and subtracts, sines and cosines are 1, and
+what is left follows from parameters alone, and is computed once (`once.py`). Rounding does not matter:
+rounded sums and products of larger numbers are not smaller.
+
+Where such a guard fails the kernel itself is called, as where any guard fails.
+"""
+
+import math
+from collections.abc import Collection, Iterable, Sequence
+
+from .graph import BOOL, Graph
+from .once import still_nodes
+from .record import Guard
+
+MARGIN = 16.0
+"""How many times more than a guard asks what is compared must be where it is traced; of inertia, to which
+part of what it is there it may fall."""
+
+POSITIVE = ("joints.", "math.algebra.")
+"""Rooms of the kernels that ask whether what they divide by is positive."""
+
+ONE = 1.0 + 2.0**-52
+"""Sines and cosines are not more, however a mathematics library rounds."""
+
+MOST = 1e300
+"""Numbers below have reciprocals that are not 0."""
+
+
+def sufficient(graph: Graph, guards: Iterable[Guard], wanted: Collection[int], is_still) -> list[Guard]:
+    """Guards that imply some, in their order. wanted : nodes that are needed in any case. is_still : whether
+    a leaf, by its name, does not change in a run.
+    """
+    guards = list(guards)
+    found = _Bounds(graph, is_still).guards(guards)
+    return found if _cost(graph, found, wanted, is_still) < _cost(graph, guards, wanted, is_still) else guards
+
+
+def _cost(graph, guards, wanted, is_still):
+    """How many operations are left in every call."""
+    still = still_nodes(graph, is_still)
+    needed = graph.needed([*wanted, *(guard.node for guard in guards)])
+    return sum(not still[k] for k in needed)
+
+
+class _Bounds:
+    """What is known of the size of nodes as guards are passed one by one.
+
+    still : whether a node stays as it is in a run. most, least : node -> the node of what its absolute value
+    is at most, of what it is at least, where that is positive; these stay as they are in a run.
+    """
+
+    def __init__(self, graph: Graph, is_still):
+        self.graph = graph
+        self.is_still = is_still
+        self.still = still_nodes(graph, is_still)
+        self.most: dict[int, int] = {}
+        self.least: dict[int, int] = {}
+        self.seen = 0
+
+    def guards(self, guards: Sequence[Guard]) -> list[Guard]:
+        """Cheaper ones."""
+        found: dict[int, Guard] = {}
+        values = _equalities(self.graph, guards)
+
+        for guard in guards:
+            self._see(guard.node)
+
+            for one in values.get(guard.node) or self._instead_of(guard):
+                # what is known to hold is no guard
+                if self.graph.known(one.node) is None:
+                    found.setdefault(one.node, one)
+
+        return self._together(found.values())
+
+    def _together(self, guards):
+        """Of several bounds that one number is to be above the largest."""
+        graph = self.graph
+        bounds: dict[int, int] = {}
+        others, last = [], {}
+        still = still_nodes(graph, self.is_still)
+
+        for guard in guards:
+            node = graph.nodes[guard.node]
+
+            if node.op == "<" and guard.holds and still[node.args[0]] and not still[node.args[1]]:
+                small, large = node.args
+                bounds[large] = graph.extreme("max", bounds[large], small) if large in bounds else small
+                last[large] = guard.place
+            else:
+                others.append(guard)
+
+        return [*others, *(Guard(graph.comparison("<", bounds[k], k), True, last[k]) for k in bounds)]
+
+    def _see(self, until):
+        """Bounds of all nodes up to one."""
+        for k in range(self.seen, until + 1):
+            if not self.still[k] and (most := self._most(k)) is not None:
+                self.most[k] = most
+
+        self.seen = max(self.seen, until + 1)
+
+    def _absolute(self, k):
+        """The node of what |k| is at most, or None."""
+        if k < len(self.still) and not self.still[k]:
+            return self.most.get(k)
+
+        return self.graph.absolute(k)
+
+    def _most(self, k):
+        graph = self.graph
+        node = graph.nodes[k]
+
+        if node.kind == BOOL:
+            return None
+
+        if node.op in ("sin", "cos", "tanh"):
+            return graph.constant(ONE)
+
+        if node.op == "/":
+            above, below = self._absolute(node.args[0]), self._divisor(node.args[1])
+            return None if above is None or below is None else graph.quotient(above, below)
+
+        args = [self._absolute(a) for a in (node.args[1:] if node.op == "select" else node.args)]
+
+        if None in args or not args:
+            return None
+
+        match node.op:
+            case "+" | "-":
+                return graph.sum(*args)
+            case "*":
+                return graph.product(*args)
+            case "neg" | "abs" | "real":
+                return args[0]
+            case "sqrt":
+                return graph.function("sqrt", *args)
+            case "min" | "max" | "select":
+                return graph.extreme("max", *args)
+
+        return None
+
+    def _divisor(self, k):
+        """The node of what |k| is at least, or None."""
+        return self.least.get(k) if not self.still[k] else self.graph.absolute(k)
+
+    def _upper(self, k):
+        """The node of what k, not its absolute value, is at most, or None."""
+        graph = self.graph
+        node = graph.nodes[k]
+
+        if self.still[k]:
+            return k
+
+        if node.op == "min":
+            args = [upper for a in node.args if (upper := self._upper(a)) is not None]
+            return graph.extreme("min", *args) if len(args) == 2 else next(iter(args), None)
+
+        if node.op == "max":
+            args = [upper for a in node.args if (upper := self._upper(a)) is not None]
+            return graph.extreme("max", *args) if len(args) == 2 else None
+
+        if node.op == "*" and (factor := graph.known(node.args[0])) is not None and factor > 0:
+            upper = self._upper(node.args[1])
+            return None if upper is None else graph.product(node.args[0], upper)
+
+        if node.op == "*" and (factor := graph.known(node.args[1])) is not None and factor > 0:
+            upper = self._upper(node.args[0])
+            return None if upper is None else graph.product(node.args[1], upper)
+
+        return self.most.get(k)
+
+    def _instead_of(self, guard):
+        """Guards that imply one; it itself where nothing cheaper is known."""
+        graph = self.graph
+        node = graph.nodes[guard.node]
+
+        if node.op == "==" and not guard.holds and self._is_no_reciprocal_of_zero(*node.args):
+            below = graph.nodes[node.args[0]].args[1]
+            finite = graph.comparison("<", self.most[below], graph.constant(MOST))
+            return [Guard(finite, True, guard.place)]
+
+        if node.op not in ("<", "<=") or self.still[guard.node]:
+            return [guard]
+
+        small, large = node.args if guard.holds else reversed(node.args)
+        bound = self._raised(self._upper(small), large, guard.place)
+
+        if bound is None:
+            return [guard]
+
+        if not self.still[large] and graph.values[bound] > 0.0:
+            self.least[large] = bound
+
+        return [Guard(graph.comparison("<", bound, large), True, guard.place)]
+
+    def _raised(self, upper, large, place):
+        """The node of a bound of at least `upper` that `large` is above, with some margin, or None."""
+        graph = self.graph
+
+        if upper is None:
+            return None
+
+        most, here = graph.values[upper], graph.values[large]
+
+        if not (math.isfinite(here) and MARGIN * most <= here and here > 0.0):
+            return None
+
+        size = self.most.get(large)
+
+        if self.still[large] or size is None or not place.startswith(POSITIVE):
+            return upper
+
+        # a part of what it is at most, whichever units masses are in
+        part = graph.constant(2.0 ** math.floor(math.log2(here / (MARGIN * graph.values[size]))))
+        return graph.extreme("max", upper, graph.product(part, size))
+
+    def _is_no_reciprocal_of_zero(self, a, b):
+        """Whether 1 / x is asked to be other than 0 of an x that is bounded both ways."""
+        node = self.graph.nodes[a]
+        below = node.args[1] if node.op == "/" else None
+        return (
+            self.graph.known(b) == 0.0
+            and below is not None
+            and self.graph.known(node.args[0]) == 1.0
+            and below in self.least
+            and below in self.most
+        )
+
+
+def _equalities(graph, guards):
+    """Node of a guard -> what is asked instead, of leaves that several guards compare with numbers: whether
+    they are what they are here.
+    """
+    compared: dict[int, list[Guard]] = {}
+
+    for guard in guards:
+        node = graph.nodes[guard.node]
+
+        if (
+            node.op in ("==", "!=")
+            and graph.nodes[node.args[0]].op == "leaf"
+            and graph.known(node.args[1]) is not None
+        ):
+            compared.setdefault(node.args[0], []).append(guard)
+
+    found = {}
+
+    for leaf, several in compared.items():
+        if len(several) > 1:
+            same = graph.comparison("==", leaf, graph.constant(graph.values[leaf]))
+            found |= {guard.node: [Guard(same, True, several[0].place)] for guard in several}
+
+    return found
