@@ -1,24 +1,32 @@
 /* The functions of FMI 3.0 for what this FMU does not have: each is there, and refuses. */
 #include "fmi3_calls.h"
 
+/* What all functions for variables do that are not there: one place for it, it is long beside a call. */
+static fmi3Status absent(Instance *c, const char *function, int modes,
+                         const fmi3ValueReference vr[], size_t n, const char *type)
+{
+    return instance_enter(c, function, modes) ? no_variable(c, vr, n, type) : fmi3Error;
+}
+
+#define ABSENT(modes, type)                                                                        \
+    return absent(instance, __func__, modes, valueReferences, nValueReferences, type)
+
 /* ---- other types ---- */
 
 #define NO_VARIABLES(Type)                                                                         \
     fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
                              size_t nValueReferences, fmi3##Type values[], size_t nValues)         \
     {                                                                                              \
-        ENTER(ANY_MODE);                                                                           \
         (void)values;                                                                              \
         (void)nValues;                                                                             \
-        return no_variable(c, valueReferences, nValueReferences, #Type);                           \
+        ABSENT(ANY_MODE, #Type);                                                                   \
     }                                                                                              \
     fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
                              size_t nValueReferences, const fmi3##Type values[], size_t nValues)   \
     {                                                                                              \
-        ENTER(WRITABLE);                                                                           \
         (void)values;                                                                              \
         (void)nValues;                                                                             \
-        return no_variable(c, valueReferences, nValueReferences, #Type);                           \
+        ABSENT(WRITABLE, #Type);                                                                   \
     }
 
 NO_VARIABLES(Float32)
@@ -36,22 +44,20 @@ fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueRe
                          size_t nValueReferences, size_t valueSizes[], fmi3Binary values[],
                          size_t nValues)
 {
-    ENTER(ANY_MODE);
     (void)valueSizes;
     (void)values;
     (void)nValues;
-    return no_variable(c, valueReferences, nValueReferences, "Binary");
+    ABSENT(ANY_MODE, "Binary");
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                          size_t nValueReferences, const size_t valueSizes[],
                          const fmi3Binary values[], size_t nValues)
 {
-    ENTER(WRITABLE);
     (void)valueSizes;
     (void)values;
     (void)nValues;
-    return no_variable(c, valueReferences, nValueReferences, "Binary");
+    ABSENT(WRITABLE, "Binary");
 }
 
 /* ---- other modes, dependencies by elements, clocks ---- */
@@ -78,9 +84,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
 }
 
 /* Refused in every state: modes that are never entered, and what belongs to them. */
-#define NEVER()                                                                                    \
-    ENTER(0);                                                                                      \
-    return fmi3OK
+#define NEVER() return absent(instance, __func__, 0, NULL, 0, "")
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance)
 {
@@ -104,9 +108,7 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
 }
 
 /* No variable is a clock. */
-#define NO_CLOCK()                                                                                 \
-    ENTER(ANY_MODE);                                                                               \
-    return no_variable(c, valueReferences, nValueReferences, "Clock")
+#define NO_CLOCK() ABSENT(ANY_MODE, "Clock")
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                         size_t nValueReferences, fmi3Clock values[])

@@ -94,7 +94,10 @@ def _arrays() -> str:
         fixed = isinstance(row.count, int)
         width = row.width * row.count if fixed else row.width
         count = "ONCE" if fixed else f"COUNT_{row.count}"
-        rows.append(f'    {{"{row.name}", IN_{row.buffer.upper()}, {width}, {count}}},\n')
+        rows.append(f'    {{"{row.name}", {width}, {count}, IN_{row.buffer.upper()}}},\n')
+
+    longest = max(len(row.name) for row in layout.ARRAYS)
+    assert all(row.width * (row.count if isinstance(row.count, int) else 1) < 2**15 for row in layout.ARRAYS)
 
     return f"""/* The head of ints: a model's counts ... */
 {counts}
@@ -104,11 +107,12 @@ def _arrays() -> str:
 
 typedef enum {{ {", ".join(f"IN_{name.upper()}" for name in _BUFFERS)}, N_BUFFER }} Buffer;
 
+/* The name stands in the row itself: a loader has no addresses to fill in. */
 typedef struct {{
-    const char *name;
-    Buffer buffer;
-    int64_t width;                    /* numbers for each of the count */
-    int count;                        /* where the count stands, or ONCE */
+    char name[{longest + 1}];
+    int16_t width;                    /* numbers for each of the count */
+    int16_t count;                    /* where the count stands, or ONCE */
+    uint8_t buffer;
 }} Array;
 
 #define ONCE (-1)

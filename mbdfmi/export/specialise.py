@@ -54,8 +54,8 @@ FLAGS = ("-O3", "-fno-math-errno", *_SECTIONS)
 WRAPPER_FLAGS = ("-Os", *_SECTIONS)
 """Of the compiler, for the wrapper, whose time does not count."""
 
-UNCALLED = {".so": "-Wl,--gc-sections", ".dylib": "-Wl,-dead_strip"}
-"""Of the linker, by the ending of a library: nothing that nobody calls."""
+UNCALLED = {".so": ("-Wl,--gc-sections", "-Wl,--hash-style=gnu"), ".dylib": ("-Wl,-dead_strip",)}
+"""Of the linker, by the ending of a library: nothing that nobody calls, one table of names, not two."""
 
 
 @dataclass(frozen=True)
@@ -176,10 +176,13 @@ def scene_library(
     found = found or own(model)
     text = core(model, found.traced)
     table = header.table_of_kernels(ENTRIES, model.guid)
-    digest = hashlib.sha256(
-        "\0".join([link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS, *WRAPPER_FLAGS]).encode()
-    ).hexdigest()[:20]
-    path = cache_directory() / "scenes" / f"{digest}-{platform}{PLATFORMS[platform].suffix}"
+    suffix = PLATFORMS[platform].suffix
+    # tables for exceptions, which C has none of: on Windows its own library has
+    less = _NO_UNWINDING if suffix in UNCALLED else ()
+    flags = (*WRAPPER_FLAGS, *less, *UNCALLED.get(suffix, ()))
+    made_of = (link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS, *flags)
+    digest = hashlib.sha256("\0".join(made_of).encode()).hexdigest()[:20]
+    path = cache_directory() / "scenes" / f"{digest}-{platform}{suffix}"
 
     if not path.exists():
         progress(f"compiling for this scene and {platform}")
@@ -187,11 +190,6 @@ def scene_library(
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             source = Path(name) / "scene.c"
             source.write_text(text, encoding="utf-8")
-            suffix = PLATFORMS[platform].suffix
-            # tables for exceptions, which C has none of: on Windows its own library has
-            less = _NO_UNWINDING if suffix in UNCALLED else ()
-            linked = (UNCALLED[suffix],) if suffix in UNCALLED else ()
-            flags = (*WRAPPER_FLAGS, *less, *linked)
             link.link(PLATFORMS[platform], [source], file, table, (*FLAGS, *less), flags, fmi)
 
     return path

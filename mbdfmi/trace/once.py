@@ -5,6 +5,7 @@ guards that rest on nothing else. Parameters that stay tunable then cost hardly 
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from .c99 import C99
 from .graph import REAL, Graph
@@ -17,13 +18,13 @@ _PLACE = "run->once[{once} + %d]"
 yet."""
 
 
-def stillness(model) -> Callable[[object], bool]:
+def stillness(model) -> Callable[[Any], bool]:
     """Whether a leaf, by its name, does not change while a model runs."""
     of_state = places_of(model, PREPARED)
     return lambda about: about[0] == "reals" or (about[0] == "state" and about[1] in of_state)
 
 
-def still_nodes(graph: Graph, is_still: Callable[[object], bool]) -> list[bool]:
+def still_nodes(graph: Graph, is_still: Callable[[Any], bool]) -> list[bool]:
     """Of each node whether it follows from what does not change alone."""
     found: list[bool] = []
 
@@ -50,7 +51,7 @@ class Once:
         graph: Graph,
         wanted: Iterable[int],
         guards: Sequence[Guard],
-        is_still: Callable[[object], bool],
+        is_still: Callable[[Any], bool],
         reading: Places,
     ):
         self.graph = graph

@@ -137,7 +137,8 @@ def _written_out(writing, tracer, ways):
     _check(writing, [graph.nodes[k].about for k in needed if graph.nodes[k].op == "leaf"])
     kernel = plain_function(projection.project)
     kept = (once.lines(), once.count) if once.count else ((), 0)
-    return Traced(kernel, NAME, body.calls, lines, len(needed), rests, graph, once=kept)
+    operations = len(graph.needed([k for each in wanted for k in each], once.texts))
+    return Traced(kernel, NAME, body.calls, lines, operations, rests, graph, once=kept)
 
 
 def _check(writing, leaves):

@@ -268,7 +268,6 @@ class Writing:
         graph, stored = self.tracer.graph, [k for _, k in self.stores]
         is_still = stillness(self.model)
         guards = sufficient(graph, self.tracer.guards.values(), stored, is_still)
-        wanted = stored + [guard.node for guard in guards]
         once = Once(graph, stored, guards, is_still, READING)
         moving = stored + [guard.node for guard in once.moving]
         body = Body(graph, moving, C99, READING, self.first(moving, self.stores, once.texts), (), once.texts)
@@ -283,7 +282,7 @@ class Writing:
             name,
             body.calls,
             lines,
-            len(graph.needed(wanted)),
+            len(graph.needed(moving, once.texts)),
             [(graph.constant(True), guards)],
             graph,
             more,
