@@ -114,7 +114,7 @@ Status exchange_complete_step(Instance *c, bool *wanted)
     Status result = instance_lead(c);
 
     *wanted = result == STATUS_OK && is_off(c, DRIFT);
-    return result;
+    return result == STATUS_OK ? instance_complete(c) : result;
 }
 
 Status exchange_update(Instance *c, Event *event)

@@ -223,6 +223,16 @@ Status instance_rates(Instance *c)
     return result;
 }
 
+Status instance_complete(Instance *c)
+{
+    void *excinfo;
+    int64_t status = CODE_OK;
+    int32_t broken = mbdfmi_complete(&status, &excinfo, M_OF(c), D_OF(c));
+
+    tell_notices(c, STATUS_OK, "step");
+    return report(c, severity_of(c), "step", broken, status);
+}
+
 Status instance_outputs(Instance *c)
 {
     if (c->current) return STATUS_OK;

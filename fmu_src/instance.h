@@ -156,6 +156,9 @@ Status instance_rates(Instance *c);
 Status instance_begin(Instance *c);
 void instance_end(Instance *c);
 
+/* Tells what there is to tell of a state that a solver outside has come to. */
+Status instance_complete(Instance *c);
+
 /* Tells what a kernel of a state said; OK when it said nothing. */
 Status instance_report(Instance *c, const char *doing, int32_t broken, int64_t status);
 

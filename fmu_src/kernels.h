@@ -18,6 +18,7 @@
    mbdfmi_prepare      after any change of a parameter, before anything else uses it
    mbdfmi_initialise   start values -> state at the time t0 (s)
    mbdfmi_step         advances by H (s); on failure the state is that of the last accepted inner step
+   mbdfmi_complete     notices of a state that a solver outside has come to
    mbdfmi_outputs      y at the present state
 */
 #ifndef MBDFMI_KERNELS_H

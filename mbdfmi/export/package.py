@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..compiler.survey import MOST_LOCALS
 from ..files import check_ending, replacing, same
-from ..kernels.status import MESSAGES
+from ..kernels.status import MESSAGES, OF_END_FRAMES
 from ..native.platforms import PLATFORMS, host_platform
 from . import sources, terminals
 from .description import description, generation_time
@@ -80,6 +80,7 @@ def export_fmu(
 
     found = _own(model, progress) if specialise or with_sources else None
     icon = pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes()
+    texts = {code: text for code, text in MESSAGES.items() if model.n_end_frame or code not in OF_END_FRAMES}
     files = {
         "modelDescription.xml": DESCRIPTIONS[fmi](model, sources.compiled(fmi) if with_sources else ()),
         "model.png": icon,
@@ -87,7 +88,7 @@ def export_fmu(
         terminals.ICON: icon,
         "documentation/index.html": documentation(model, chosen, fmi, PICTURE if pictures else None),
         "documentation/licenses/license.txt": _licence(),
-        f"resources/{NAME}": resource(model, MESSAGES, tape(model)),
+        f"resources/{NAME}": resource(model, texts, tape(model)),
     }
     if pictures:
         files[f"documentation/{PICTURE}"] = pictures[0]

@@ -6,7 +6,7 @@
 import math
 
 from . import exchange, forces, joints, notes, outputs
-from .dynamics import assembly, forward, inertia, projection, rates, reactions, rows
+from .dynamics import assembly, ends, forward, inertia, projection, rates, reactions, rows
 from .forces import radiation, struts
 from .joints import virtual
 from .language import apart, inlined
@@ -129,6 +129,7 @@ ENTRIES = {
     "mbdfmi_lead": exchange.lead,
     "mbdfmi_rates": exchange.rates_now,
     "mbdfmi_indicators": exchange.indicators,
+    "mbdfmi_complete": ends.complete,
     "mbdfmi_next_kink": exchange.next_kink,
 }
 """What the C wrapper calls. In native code a view is the addresses of its buffers, in their order (see views.py)."""

@@ -379,7 +379,7 @@ ARRAYS = (
     Array("lent_known", "state", 1, "n_body", "1: known that what else there is determines how it moves"),
     Array("row_taken", "state", 1, "n_row", "gap that a loop not quite exact was found to have"),
     Array("row_rest", "state", 1, "n_row", "position residual that is none: a coupling's offset, a gap left at the start"),
-    Array("end_frame_side", "state", 1, "n_end_frame", "1 or -1: side of the first surface on which the second touches; 0: a point"),
+    Array("end_frame_side", "state", 1, "n_end_frame", "1 or -1: side of the first surface on which the second touches; 0: a point; of one that holds axes 1: told that it is beyond an end"),
     Array("row_side", "state", 1, "n_row", "1 or -1: side of its plane on which something rolls"),
     Array("strut_start", "state", 1, "n_strut", "m, length at the start"),
     Array("loose", "state", 1, 1, "1: redundant rows may have gaps, loops repeat themselves not quite exactly"),

@@ -39,6 +39,7 @@ BAD_ROTOR = 45
 TOUCHES_ALONG = 46
 BAD_EFFORT = 47
 BAD_SEA = 50
+BEYOND_END = 51
 COUPLING_OPEN = 48
 COUPLING_OFF = 49
 SINGULAR_START = 30
@@ -113,10 +114,14 @@ MESSAGES = {
     START_MOVED: "%s at the start is given as %g, but taken as %g: loops, couplings, contacts or drivers leave it nothing else",
     START_TURNED: "%s at the start is turned by %g deg from the given one: loops, couplings, contacts or drivers leave it nothing else",
     BEYOND_STOP: "%s starts at %g, beyond its stop at %g",
+    BEYOND_END: "%s has come beyond the end of its curve or surface (s = %g, that is at %g): from there it goes on straight, and what "
+    "is held to its frame stops turning at once, which takes energy or adds some; let the points reach as far as the way does",
     GAP_TAKEN: "%s does not quite close: its ends stay %g m apart and turned by %g rad against each other, and the run goes on so",
     BODY_STUCK: "%s cannot move: its joints leave it 0 degrees of freedom",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }
+
+OF_END_FRAMES = (BEYOND_END,)  # texts that a file of a model without end frames does not carry
 
 
 @inlined

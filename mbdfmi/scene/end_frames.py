@@ -144,7 +144,8 @@ class FrameOnCurve(OnCurve):
     Its origin stays on the curve, its x along the tangent, its y as near to the direction `side` as it can be: up, for a road; across
     the track, for a loop. z is normal to both; of a planar curve with the side z it is the normal that points out of a bend to the
     left. Where an open spline ends, it goes on straight, and the frame stops turning at once:
-    what that costs a body in energy is lost (or gained), so let the points reach as far as the way does.
+    what that costs a body in energy is lost (or gained), so let the points reach as far as the way does. A run that comes there says
+    so once.
     """
 
     kind: ClassVar[str] = "frame_on_curve"
@@ -166,7 +167,8 @@ class FrameOnSurface(Undriven):
     Its origin stays on the surface, its z along the normal r1 x r2 (derivatives by the parameters), and its x along r1, unless it may
     spin about the normal. On a sphere or an ellipsoid x points east, which at the poles means nothing: on a sphere the spin must be free
     there, an ellipsoid's poles cannot be passed. Where points end, of a table or of an open profile, it goes on straight, and the frame
-    stops turning at once: what that costs a body in energy is lost (or gained), so let them reach as far as the way does.
+    stops turning at once: what that costs a body in energy is lost (or gained), so let them reach as far as the way does. A
+    run that comes there says so once.
     """
 
     kind: ClassVar[str] = "frame_on_surface"

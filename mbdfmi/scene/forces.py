@@ -245,7 +245,8 @@ class SpringDamper(Part):
 class Torsion(Part):
     """torsion = { stiffness, rest, table, damping }
 
-    It resists the angle of the second marker from the first about z, at the start within half a turn, then counted over as many
+    It resists the angle of the second marker from the first about z, at the start within half a turn (half a turn itself counts as
+    180 deg, not -180), then counted over as many
     turns as there come; what it rests at may be turns away. Where the two z axes are not quite parallel, as when a bushing or nothing keeps them so, the angle is what is
     left once the swing from the one to the other is taken away, and the moment acts along z between the two: it stores what it takes.
     They must not become opposite, where no twist is: a run that comes to that place ends there ("no longer finite"), and one that

@@ -9,7 +9,7 @@ one by one, those first that stay nearest to their values when all of them may m
 from .. import joints
 from ..end_frames import touching
 from ..language import apart, inlined, kernel
-from ..motion import drives, kinematics, markers
+from ..motion import coordinates, drives, kinematics, markers
 from ..status import OK
 from ..signatures import DATA, MODEL, int64
 from . import forward, holding, projection, redundancy, rows, start_positions, start_velocities
@@ -143,11 +143,12 @@ def assemble(m, d):
     holding.hold(m, d)
     kinematics.kinematics(m, d)
     forward.lend_inertia(m, d)
+    rows.start_turns(m, d)
 
     if m.n_row == 0:
+        coordinates.start_twists(m, d)
         return OK
 
-    rows.start_turns(m, d)
     choose_sides(m, d)
     spread_couplings(m, d)
     kinematics.kinematics(m, d)

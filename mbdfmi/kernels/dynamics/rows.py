@@ -180,7 +180,8 @@ def write_coupling(m, d, row):
 def start_turns(m, d):
     """Angles outside the tree near which to start: as given, or where their drives want them."""
     for t in range(m.n_turn):
-        d.z[coordinates.turn(m, t)] = m.turn_start[t]
+        twists = m.coordinate_kind[m.turn_coordinate[t]] == coordinates.TWIST
+        d.z[coordinates.turn(m, t)] = coordinates.HALF_TURN if twists else m.turn_start[t]
 
     for row in range(m.n_row):
         t = m.coordinate_turn[m.term_coordinate[m.row_term[row]]] if m.row_drive[row] >= 0 else -1

@@ -123,6 +123,13 @@ def window(m, k, p, margin):
 
 
 @inlined
+def nearest(m, k, s):
+    """s of curve k, moved to the nearest end where it lies beyond one."""
+    ends = m.curve_kind[k] == SPLINE and m.curve_value[k] == 0.0
+    return tables.clamped(m, m.curve_table[k], s) if ends else s
+
+
+@inlined
 def pieces(m, k):
     """Number of pieces of curve k."""
     return m.table_knots[m.curve_table[k]] - 1 if m.curve_kind[k] == SPLINE else 1

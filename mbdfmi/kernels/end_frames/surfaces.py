@@ -313,6 +313,16 @@ def window(m, k, p, margin):
 
 
 @inlined
+def within_edges(m, table, s, part):
+    """s moved to the nearest edge of a table's points, which has a straight patch more on either side; a part of the way farther in."""
+    k = m.table_knot[table] + 1
+    first = m.knot_x[k]
+    last = m.knot_x[k + m.table_knots[table] - 3]
+    margin = part * (last - first)
+    return min(max(s, first + margin), last - margin)
+
+
+@inlined
 def pieces(m, k):
     """Numbers of pieces of surface k along s1 and s2."""
     if m.surface_kind[k] == TABLE:

@@ -6,7 +6,8 @@ told by a state of its own, integrated along with the others at the angle's rate
 set to the angle wherever positions are projected.
 
 A twist is an angle between two markers that nothing keeps parallel, as that of a torsion spring: of b about z, once the swing that
-brings a's z axis to b's is taken away (docs/theory.md 16.12). Only forces act along it: it has no acceleration here.
+brings a's z axis to b's is taken away (docs/theory.md 16.12). Only forces act along it: it has no acceleration here. It starts within
+half a turn; half a turn itself is taken as positive, whatever rounding says.
 
 The parameter of a point on a curve is a coordinate, too, where that is driven: it stands in the state, and its rate is the velocity of the
 point along a vector that end_frames/touching.py leaves, `parameter_along` (docs/theory.md 10.7).
@@ -25,6 +26,9 @@ ANGLE = 1
 SLIDE = 2
 TWIST = 3
 PARAMETER = 4
+
+# rad, by how little less than half a turn backwards a twist starts as half a turn forwards
+HALF_TURN = 1e-9
 
 
 @inlined
@@ -194,3 +198,14 @@ def read_turns(m, d):
     """The angles outside the tree as they are, on the turn closest to that in d.z; needs kinematics."""
     for t in range(m.n_turn):
         d.z[turn(m, t)] = value(m, d, m.turn_coordinate[t])
+
+
+@inlined
+def start_twists(m, d):
+    """Twists of a tree where it starts; needs kinematics, and d.z near them. No step reads them anew: each comes with its rate.
+
+    Within a quarter turn of nothing they begin to count from nothing, which is near enough for good.
+    """
+    for t in range(m.n_turn):
+        angle = value(m, d, m.turn_coordinate[t])
+        d.z[turn(m, t)] = angle if abs(angle) > 0.5 * math.pi else 0.0

@@ -4,6 +4,7 @@ A method is a file with `step`, which leaves x a step later in d.x or tells why 
 """
 
 from ...steppers import STEPPERS
+from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import is_finite, set_time
 from ..language import apart, inlined
@@ -44,6 +45,7 @@ def equal_steps(m, d, H):
         if control.is_spent(d):
             return status(TOO_MUCH_WORK, 0), s
 
+        see_ends(m, d)
         keep_x(m, d)
         failure = step(m, d, s, h)
 

@@ -10,6 +10,7 @@ front waits in the state. When an input jumps at the communication point, it is 
 """
 
 from ...steppers import RK32, RKC, STEPPERS
+from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import set_time
 from ..language import inlined, kernel
@@ -259,6 +260,8 @@ def advance(m, d, H, onward, jumps):
         failure, reached = fixed.equal_steps(m, d, H)
     elif failure == OK:
         failure, reached = adaptive(m, d, H, onward)
+
+    see_ends(m, d)
 
     if failure != OK:
         memory.forget(d)

@@ -4,6 +4,7 @@ import math
 
 
 from .. import joints
+from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, set_time, store_rate
 from ..language import apart, inlined, kernel
@@ -319,6 +320,7 @@ def adaptive(m, d, s, H, pair, onward, auto):
         if not s + step > s:
             return control.too_small(0.0 < step < math.inf, OK), s
 
+        see_ends(m, d)
         keep_x(m, d)
 
         if found > 1 and step == d.early_step[0]:

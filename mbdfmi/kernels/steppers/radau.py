@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, evaluate_now, is_finite, set_time, store_rate
 from ..language import apart, inlined, kernel
@@ -511,6 +512,7 @@ def adaptive(m, d, s, H, auto):
             d.next_step[RADAU] = h
             return status(TOO_MUCH_WORK, 0), s
 
+        see_ends(m, d)
         keep_x(m, d)
         found, failure = find_rate_and_jacobian(m, d, s, known, auto)
 

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ...steppers import RKC
+from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import evaluate, is_finite, store_rate
 from ..language import apart, inlined, kernel
@@ -199,6 +200,7 @@ def adaptive(m, d, s, H):
             end = status(TOO_MUCH_WORK, 0)
             break
 
+        see_ends(m, d)
         keep_x(m, d)
 
         if not known:
