@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "stability.h"
+
 /* what accelerations (m/s2, rad/s2) may be off that are those of the rest */
 #define AT_REST 1e-6
 
@@ -74,6 +76,15 @@ static const char *name_of(const Instance *c, int64_t coordinate)
     return resource_place(&c->resource, node);
 }
 
+/* Whether anything is not what the rest was found for, which is stable. */
+static bool is_changed(const Instance *c)
+{
+    const Resource *r = &c->resource;
+
+    return memcmp(c->u, r->u_start, (size_t)r->n.u * sizeof(double)) != 0
+           || memcmp(c->reals, r->reals, (size_t)r->n.reals * sizeof(double)) != 0;
+}
+
 Status rest_check(Instance *c)
 {
     if (!c->core->rests) return STATUS_OK;
@@ -98,6 +109,16 @@ Status rest_check(Instance *c)
             "start at rest: it is no rest with the present parameters and inputs, as it was found "
             "for those of the scene: '%s' starts with %.3g (m/s2 or rad/s2)",
             name_of(c, worst), most);
+    else if (is_changed(c)) {
+        double growth = stability_growth(c);
+
+        if (growth > 0)
+            log_tell(
+                &c->log, STATUS_WARNING,
+                "start at rest: it is not stable with the present parameters and inputs, as it "
+                "was for those of the scene: what is off grows e-fold in %.3g s",
+                1 / growth);
+    }
     warn_of_starts(c);
     return STATUS_OK;
 }

@@ -8,7 +8,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from fmu_host import ERROR, OK, WARNING, Instance, Library
+from fmu_host import CO_SIMULATION, ERROR, MODEL_EXCHANGE, OK, WARNING, Instance, Library
 from fmu_host3 import Instance as Instance3
 from fmu_host3 import Library as Library3
 
@@ -195,6 +195,94 @@ def test_values_that_the_rest_was_not_found_for_are_told(library):
     (told,) = warnings(it)
     assert "'pivot.angle_start'" in told
     assert it.value("pivot.angle") == 0.0
+    it.free()
+
+
+# rests that changed parameters make unstable
+
+BAR = {
+    "mass": 2.0,
+    "com": [0, 0, 0.5],
+    "inertia": [0.1, 0.1, 0.1],
+    "marker": {"top": {"position": [0, 0, 1]}},
+}
+PINS = {"revolute": {"axis": "y"}, "universal": {"axes": ["x", "y"]}, "spherical": {}}
+
+
+def upright(kind):
+    """A bar that springs of 12 N m/rad hold upright on a pin, whatever way it falls; stiff about itself."""
+    spring = {"bushing": {"stiffness": [0, 0, 0, 12.0, 12.0, 1e4]}, "between": ["ground", "bar"]}
+    joint = {kind: PINS[kind], "between": ["ground", "bar"], "output": ["reaction_force"]}
+    return Scene(
+        name="upright", gravity=[0, 0, -G], body={"bar": BAR}, joint={"pin": joint}, force={"hold": spring}
+    )
+
+
+def table():
+    """A beam of 1 kg on two such bars, one of them on a spring of 40 N m/rad."""
+    ground = {"marker": {"right": {"position": [1, 0, 0]}}}
+    beam = {"mass": 1.0, "com": [0.5, 0, 0], "inertia": [0.1] * 3, "marker": {"end": {"position": [1, 0, 0]}}}
+    pin = {"revolute": {"axis": "y"}}
+    joint = {
+        "left": pin | {"between": ["ground", "one"], "spring": {"stiffness": 40.0}},
+        "right": pin | {"between": ["ground.right", "two"]},
+        "over": pin | {"between": ["one.top", "beam"]},
+        "closes": pin | {"between": ["two.top", "beam.end"], "output": ["angle"]},
+    }
+    return Scene(
+        name="table",
+        gravity=[0, 0, -G],
+        ground=ground,
+        body={"one": BAR, "two": BAR, "beam": beam},
+        joint=joint,
+    )
+
+
+def growth(name, mass):
+    """1/s, of the bar or the table whose bar or beam has this mass, by its closed form; 0 where it stays."""
+    if name == "table":
+        square = (2 * 2.0 * G * 0.5 + mass * G - 40.0) / (2 * (0.1 + 2.0 * 0.5**2) + mass)
+    else:
+        square = (mass * G * 0.5 - 12.0) / (0.1 + mass * 0.5**2)
+
+    return np.sqrt(max(square, 0.0))
+
+
+@pytest.mark.parametrize("name", [*PINS, "table"])
+@pytest.mark.parametrize("mass", [1.9, 2.1, 2.5, 6.0])
+@pytest.mark.parametrize("exchange", [False, True])
+def test_a_rest_that_became_unstable_is_told(name, mass, exchange, tmp_path):
+    """With the time in which what is off grows e-fold; nothing is told where it is stable still."""
+    scene = table() if name == "table" else upright(name)
+    library = Library(scene.export(tmp_path / "it.fmu", at_rest=True), tmp_path / "it")
+    it = Instance(library, kind=MODEL_EXCHANGE if exchange else CO_SIMULATION)
+    boolean(it, True)
+    assert it.set({f"{'beam' if name == 'table' else 'bar'}.mass": mass}) == OK
+    it.start()
+    told = warnings(it)
+    rate = growth(name, mass)
+    assert len(told) == (rate > 0.0)
+
+    if told:
+        assert "it is not stable with the present parameters and inputs" in told[0]
+        assert abs(float(told[0].split("e-fold in ")[1].split()[0]) - 1 / rate) < 5e-3 / rate
+
+    it.free()
+
+
+def test_motions_without_stiffness_are_not_called_unstable(tmp_path):
+    """A ball that floats: a mass that changed changes nothing."""
+    scene = Scene(
+        name="ball",
+        gravity=[0, 0, 0],
+        body={"ball": {"mass": 1.0, "inertia": [0.1, 0.2, 0.3]}},
+        joint={"free": {"free": {}, "between": ["ground", "ball"]}},
+    )
+    it = Instance(Library(scene.export(tmp_path / "it.fmu", at_rest=True), tmp_path / "it"))
+    boolean(it, True)
+    assert it.set({"ball.mass": 3.0}) == OK
+    it.start()
+    assert not warnings(it)
     it.free()
 
 
