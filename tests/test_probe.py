@@ -13,7 +13,7 @@ from mbdfmi.cli import main
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import export_fmu
 from mbdfmi.probe import probe
-from mbdfmi.probe.answers import ABSENT, FAULT, GOOD, TOLD
+from mbdfmi.probe.answers import ABSENT, FAULT, GOOD, TOLD, Answer
 from mbdfmi.probe.exchange import Exchanged
 from mbdfmi.probe.exchange_questions import QUESTIONS as EXCHANGE
 from mbdfmi.probe.fmu import Fmu
@@ -219,6 +219,18 @@ def test_the_command(small, capsys, monkeypatch):
     told = capsys.readouterr()
     assert "in model exchange" in told.out and "the other process falls" in told.out
     assert "brings its process down" in told.out
+
+    # each answer when it comes, not all of them at the end
+    def answers(path, limit, progress):
+        for n, words in enumerate(("It runs", "It falls", "It stands again")):
+            assert words not in capsys.readouterr().out
+            progress(words)
+            yield Answer(words, FAULT if n == 1 else "good", "what was seen", "CoSimulation")
+            assert words in capsys.readouterr().out
+
+    monkeypatch.setattr("mbdfmi.probe.probe", answers)
+    assert main(["check", "--probe", str(small["good"])]) == 1
+    assert "1 fault found" in capsys.readouterr().err
 
     assert main(["check", "--probe", "--limit", "0", str(small["good"])]) == 1
     assert "above 0" in capsys.readouterr().err

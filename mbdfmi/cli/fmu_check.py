@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 from .tables import count, print_table, table_of
-from .terminal import doing, doing_here, note, text_of
+from .terminal import doing, doing_here, note, out, text_of
 
 # runs ten steps of an FMU
 _TRIAL = """
@@ -23,14 +23,13 @@ KINDS = {"CoSimulation": "in co-simulation", "ModelExchange": "in model exchange
 
 
 def probe_fmu(path, limit=None):
-    """Asks an FMU what no validator sees, and prints the answers.
+    """Asks an FMU what no validator sees, and prints each answer as it comes.
 
     limit : s, for each question. Raises ValueError with the number of faults, those of validation among them.
     """
     import fmpy
-    from rich.text import Text
 
-    from ..probe import FAULT, LIMIT, probe
+    from ..probe import FAULT, LIMIT
 
     faults = []
 
@@ -45,22 +44,54 @@ def probe_fmu(path, limit=None):
     if notes:
         raise ValueError(f"{path}: it holds no library for {fmpy.platform}, nothing can be asked")
 
-    with doing_here(f"{path}: asking") as progress:
-        answers = list(probe(path, limit or LIMIT, progress))
+    kind = None
 
-    for kind in dict.fromkeys(answer.kind for answer in answers):
-        table = table_of("answer", KINDS[kind], "seen")
-        for answer in answers:
-            if answer.kind == kind:
-                style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
-                table.add_row(Text(answer.verdict, style), answer.question, answer.seen)
-        print_table(table)
+    for answer in _answers(path, limit or LIMIT):
+        _print_answer(answer, begins=answer.kind != kind)
+        kind = answer.kind
+        faults += [answer.question] if answer.verdict == FAULT else []
 
-    faults += [answer.question for answer in answers if answer.verdict == FAULT]
     if faults:
         raise ValueError(f"{path}: {count(len(faults), 'fault')} found")
 
     return ""
+
+
+def _answers(path, limit):
+    """The answers one by one; what is asked shows meanwhile, and is gone while an answer is printed."""
+    from ..probe import probe
+
+    tell = [lambda text: None]
+    answers = probe(path, limit, lambda text: tell[0](text))
+
+    while True:
+        with doing_here(f"{path}: asking") as tell[0]:
+            answer = next(answers, None)
+
+        if answer is None:
+            return
+
+        yield answer
+
+
+def _print_answer(answer, begins):
+    """A row of the table of a kind of FMU, its heading first where it `begins`; as wide as all others."""
+    from rich.text import Text
+
+    from ..probe import FAULT, words_of
+    from ..probe.kinds import KINDS as ASKED
+
+    table = table_of("answer", KINDS[answer.kind], "seen")
+    table.expand, table.show_header = True, begins
+    longest = max(
+        len(words_of(question)) for _, questions in ASKED.values() for question in questions.values()
+    )
+    table.columns[0].width = len("answer")
+    table.columns[1].width = min(longest, (out.width - len("answer")) * 2 // 3)
+    table.columns[2].ratio = 1
+    style = {FAULT: "bold red", "good": "green"}.get(answer.verdict, "")
+    table.add_row(Text(answer.verdict, style), answer.question, answer.seen)
+    (print_table if begins else out.print)(table)
 
 
 def _is_readable(path):

@@ -22,9 +22,10 @@ LIMIT = 30.0
 def probe(
     path: str | os.PathLike, limit: float = LIMIT, progress: Callable[[str], None] = lambda text: None
 ) -> Iterator[Answer]:
-    """The answers of an FMU (a file), one by one, for each kind that it is; `progress` is told what is asked.
+    """The answers of an FMU (a file), one by one as they come, for each kind that it is.
 
-    A question that brings its process down, or takes longer than `limit` (s), is answered by that.
+    progress : is told what is asked. A question that brings its process down, or takes longer than `limit`
+    (s), is answered by that.
     """
     import fmpy
 
@@ -34,15 +35,22 @@ def probe(
         fmpy.extract(str(path), folder)
         description = fmpy.read_model_description(folder, validate=False)
 
-        for kind, (_, questions) in KINDS.items():
-            if getattr(description, kind[0].lower() + kind[1:]) is None:
-                continue
+        asked = [
+            (kind, name, words_of(question))
+            for kind, (_, questions) in KINDS.items()
+            if getattr(description, kind[0].lower() + kind[1:]) is not None
+            for name, question in questions.items()
+        ]
 
-            for name, question in questions.items():
-                words = (question.__doc__ or "").splitlines()[0].rstrip(".")
-                progress(words)
-                verdict, seen = _ask(folder, kind, name, limit)
-                yield Answer(words, verdict, seen, kind)
+        for n, (kind, name, words) in enumerate(asked, 1):
+            progress(f"{n} of {len(asked)}: {words}")
+            verdict, seen = _ask(folder, kind, name, limit)
+            yield Answer(words, verdict, seen, kind)
+
+
+def words_of(question: Callable) -> str:
+    """What a question asks."""
+    return (question.__doc__ or "").splitlines()[0].rstrip(".")
 
 
 def _ask(folder, kind, name, limit):
