@@ -24,13 +24,16 @@ def draw_moorings(path, found: Moorings, title="", direction=0.0) -> Path:
 
     for k, line in enumerate(found.lines):
         colour = f"C{k % 10}"
-        lying = int(line.grounded > 0.0)
-        plan.plot(*line.shape[lying:, :2].T, color=colour, linewidth=1.2)
-        away = np.hypot(*(line.shape - line.lower)[:, :2].T)
-        side.plot(away, line.shape[:, 2], color=colour, linewidth=1.2)
+        first = int(np.argmin(np.append(line.lying, False)))
+        plan.plot(*line.shape[first:, :2].T, color=colour, linewidth=1.2)
+        side.plot(*_from_the_side(line, line.shape), color=colour, linewidth=1.2)
 
-        if lying:
-            plan.plot(*line.shape[:2, :2].T, color=colour, linewidth=3, alpha=0.35)
+        for j in np.flatnonzero(line.lying):
+            plan.plot(*line.shape[j : j + 2, :2].T, color=colour, linewidth=3, alpha=0.35)
+
+        if len(line.joints):
+            plan.plot(*line.joints[:, :2].T, ".", color=colour, markersize=4)
+            side.plot(*_from_the_side(line, line.joints), ".", color=colour, markersize=6)
 
         plan.plot(*line.lower[:2], "v", color=colour, markersize=6)
         plan.plot(*line.upper[:2], "o", color=colour, markersize=3)
@@ -41,7 +44,9 @@ def draw_moorings(path, found: Moorings, title="", direction=0.0) -> Path:
 
     plan.set_aspect("equal", adjustable="datalim")
     plan.set_title(
-        "footprint from above, m; triangles: lower ends; wide: on the bed", loc="left", fontsize="medium"
+        "footprint from above, m; triangles: lower ends; dots: sections meet; wide: on the bed",
+        loc="left",
+        fontsize="medium",
     )
     side.set_title("from the side, m from the lower end", loc="left", fontsize="medium")
     tension.set_title("tension at the upper ends, kN", loc="left", fontsize="medium")
@@ -60,3 +65,8 @@ def draw_moorings(path, found: Moorings, title="", direction=0.0) -> Path:
 
     save_figure(figure, path)
     return Path(path)
+
+
+def _from_the_side(line, points):
+    """(m from the line's lower end, height) of points (n, 3)."""
+    return np.hypot(*(points - line.lower)[:, :2].T), points[:, 2]

@@ -1,11 +1,13 @@
 """Mooring lines as they hang where a scene starts, and what they do as that is pulled aside."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..compiler.model import compile_scene
-from ..kernels.forces import catenaries
+from ..kernels.forces import catenaries, composite_lines, composite_pulls, composite_shapes
+from ..kernels.forces.line_pieces import piece
 from ..kernels.motion import markers
 from ..run.instance import Instance
 from ..scene import SceneData
@@ -21,8 +23,10 @@ STRIDE = 1e-5
 class MooringLine:
     """A catenary at one place of its ends.
 
-    lower, upper : (3,) m, in the inertial frame. tension, lower_tension : N, at these ends. grounded : m,
-    that lies on the bed. body : of the upper end. shape : (n, 3) m, from the lower end to the upper one.
+    lower, upper : (3,) m, in the inertial frame; a line of sections or with friction has its first end as the
+    lower one. tension, lower_tension : N, at these ends. grounded : m, that lies on the bed. body : of the
+    upper end. shape : (n, 3) m, from the lower end to the upper one; lying : (n - 1,) whether what is between
+    its points lies on the bed. joints : (j, 3) m, where sections meet.
     force, upper_force : (3,) N, on the scene's second end, on the upper end.
     """
 
@@ -35,6 +39,8 @@ class MooringLine:
     grounded: float
     body: str
     shape: np.ndarray
+    lying: np.ndarray
+    joints: np.ndarray
     force: np.ndarray
     upper_force: np.ndarray
 
@@ -69,8 +75,16 @@ def moorings(scene: SceneData, offset: float, direction: float = 0.0, points: in
     along = np.array([np.cos(direction), np.sin(direction), 0.0])
     held = [not stands_still(scene.force[name].between[1]) for name in names]
 
+    # each kind is numbered by itself
+    rows, count = {}, [0, 0]
+
+    for name in names:
+        kind = int(scene.force[name].catenary.is_composite)
+        rows[name] = (_composite if kind else _line, count[kind])
+        count[kind] += 1
+
     def lines_at(x):
-        return [_line(instance, scene, k, name, x * along) for k, name in enumerate(names)]
+        return [of(instance, scene, k, name, x * along) for name, (of, k) in rows.items()]
 
     def force_of(lines):
         return -sum(line.force @ along for line, holds in zip(lines, held) if holds)
@@ -84,14 +98,84 @@ def moorings(scene: SceneData, offset: float, direction: float = 0.0, points: in
     return Moorings(now, offsets, force, float(stiffness), tension, instance.notices)
 
 
+def _ends(instance, scene, name, first, second, moved):
+    """(3,) m each: the places of two markers, those on bodies moved (m)."""
+    places = [np.array(markers.position(instance.m, instance.d, int(marker))) for marker in (first, second)]
+    ends = scene.force[name].between
+    return [place if stands_still(end) else place + moved for place, end in zip(places, ends)]
+
+
+def _composite(instance, scene, k, name, moved):
+    """Line k of those of several sections, or with friction of the bed, with its ends on bodies moved (m)."""
+    m, d = instance.m, instance.d
+    first, second = _ends(instance, scene, name, m.composite_from[k], m.composite_to[k], moved)
+    span = second - first
+    across = float(np.hypot(span[0], span[1]))
+    H, V = composite_pulls.pull(m, d, k, across, float(span[2]))
+    away = np.array([span[0], span[1], 0.0]) / across if across > 0.0 else np.zeros(3)
+    curve, lying, joints = _shape_of_sections(m, d, k, H, V)
+    points = first + curve[:, :1] * away + curve[:, 1:] * [0.0, 0.0, 1.0]
+    force = -H * away - [0.0, 0.0, V]
+    return MooringLine(
+        name,
+        scene.force[name].catenary.total_length,
+        first,
+        second,
+        float(np.hypot(H, V)),
+        float(np.hypot(*composite_lines.anchor_pull(m, d, k, H, V))),
+        float(lying[:, 1].sum()),
+        scene.force[name].between[1].partition(".")[0],
+        points,
+        lying[:, 0] > 0.0,
+        points[joints],
+        force,
+        force,
+    )
+
+
+def _shape_of_sections(m, d, k, H, V):
+    """Line k, asked for at this pull.
+
+    Returns its points, (n, 2) m, along and up from the first end; (n - 1, 2) whether what is between them
+    lies, and how long it is unstretched (m); at which points sections meet.
+    """
+    first, last = int(m.composite_section[k]), composite_shapes.last_section(m, k)
+    pull = max(H, composite_shapes.least_pull(d, k))
+    points, lying, joints = [np.zeros(2)], [], []
+
+    def go(w, L, EA, h, top, bottom, lies):
+        now = piece(w, L, EA, h, top, bottom)
+        points.append(points[-1] + [now.x, now.z])
+        lying.append((float(lies), L if lies else 0.0))
+
+    for i in range(first, last + 1):
+        w, EA = composite_shapes.weight(m, i), float(m.section_stiffness[i])
+        floor, cap = composite_shapes.bounds(m, d, k, i, V)
+        of = composite_shapes.parts(m, d, k, i, floor.at, cap.at, H, V)
+        joints += [len(points) - 1] if i > first else []
+
+        for part in ("down", "flat", "up"):
+            length = getattr(of, part)
+            if not length > 0.0:
+                continue
+            if part == "flat":
+                # stretched by what it is pulled with, where it is tight
+                held = 0.5 * (of.pull + composite_shapes.pull_below(m, k, i, of)) * of.slid / length
+                go(0.0, length, EA, max(held, pull * 1e-9), 0.0, 0.0, True)
+                continue
+
+            steps = np.linspace(getattr(of, f"{part}_bottom"), getattr(of, f"{part}_top"), POINTS)
+
+            for low, high in itertools.pairwise(steps):
+                go(w, length / (POINTS - 1), EA, pull, high, low, False)
+
+    return np.array(points), np.array(lying), joints
+
+
 def _line(instance, scene, k, name, moved):
     """Line k with its ends on bodies moved (m)."""
     m, d = instance.m, instance.d
-    ends = []
-
-    for marker, end in zip((int(m.line_from[k]), int(m.line_to[k])), scene.force[name].between):
-        place = np.array(markers.position(m, d, marker))
-        ends.append(place if stands_still(end) else place + moved)
+    ends = _ends(instance, scene, name, m.line_from[k], m.line_to[k], moved)
 
     # without a bed the lower end is the first
     swapped = m.line_bed[k] == 0 and ends[1][2] < ends[0][2]
@@ -104,6 +188,8 @@ def _line(instance, scene, k, name, moved):
     lowest = max(V - w * L, 0.0) if bed else V - w * L
     away = np.array([span[0], span[1], 0.0]) / across if across > 0.0 else np.zeros(3)
     curve = _shape(H, V, w, L, EA, bed)
+    lying = np.zeros(len(curve) - 1, bool)
+    lying[0] = len(curve) > POINTS
     on_upper = -H * away - [0.0, 0.0, V]
     return MooringLine(
         name,
@@ -115,6 +201,8 @@ def _line(instance, scene, k, name, moved):
         max(0.0, L - V / w) if bed else 0.0,
         scene.force[name].between[0 if swapped else 1].partition(".")[0],
         lower + curve[:, :1] * away + curve[:, 1:] * [0.0, 0.0, 1.0],
+        lying,
+        np.zeros((0, 3)),
         H * away + [0.0, 0.0, lowest] if swapped else on_upper,
         on_upper,
     )

@@ -24,8 +24,22 @@ LINE_KINDS = {
 def add_catenary(builder, name, force, ends):
     """A catenary between two markers. Raises SceneError for a line that floats."""
     spec = force.catenary
-    density = (builder.scene.sea or Sea()).density
-    mass = spec.mass - density * np.pi * spec.diameter**2 / 4
+    composite = spec.is_composite
+    row = (_add_composite if composite else _add_line)(builder, name, force, ends)
+    _tell_stretch(builder, name, force)
+    _tell_moving_bed(builder, name, force)
+    nodes = [builder.node_of(end) for end in force.between]
+
+    for output in force.output:
+        quantity = LINE_OUTPUTS[output]
+        source = Source(LINE_KINDS[output], row, int(composite))
+        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
+
+
+def _add_line(builder, name, force, ends):
+    """One without sections on a smooth bed, or none. Returns its row."""
+    spec = force.catenary
+    mass = _mass_in_water(builder, spec)
 
     if not mass > 0.0:
         text = (
@@ -42,8 +56,6 @@ def add_catenary(builder, name, force, ends):
         line_mass=mass,
         line_stiffness=spec.stiffness,
     )
-    _tell_stretch(builder, name, force)
-    _tell_moving_bed(builder, name, force)
 
     for key, value, unit, about in (
         ("length", spec.length, "m", "unstretched length"),
@@ -53,12 +65,89 @@ def add_catenary(builder, name, force, ends):
         place = Place(f"line_{key}", row)
         builder.add_parameters(dotted(name, key), place, value, unit, f"{about} of {name}")
 
-    nodes = [builder.node_of(end) for end in force.between]
+    return row
 
-    for output in force.output:
-        quantity = LINE_OUTPUTS[output]
-        source = Source(LINE_KINDS[output], row)
-        builder.add_outputs(dotted(name, output), source, quantity.unit, f"{name}: {quantity.text}", nodes)
+
+def _add_composite(builder, name, force, ends):
+    """One of several sections, or on a bed with friction. Returns its row. Raises SceneError for what floats and is held by friction."""
+    spec, table = force.catenary, builder.tables["n_section"]
+    density, bed = _density(builder), _has_bed(builder, force)
+    masses = [_mass_in_water(builder, section) for section in spec.parts]
+    clumps = [
+        section.clump.mass - density * section.clump.volume if section.clump else 0.0
+        for section in spec.parts
+    ]
+    floating = [k for k, pair in enumerate(zip(masses, clumps)) if min(pair) < 0.0]
+    path = ("force", name, "catenary")
+
+    if floating and (spec.sections is None or (bed and spec.friction > 0.0)):
+        k = floating[0]
+        what = (
+            "the line"
+            if spec.sections is None
+            else f"section {k + 1}"
+            if masses[k] < 0.0
+            else f"the clump of section {k + 1}"
+        )
+        text = (
+            f"{what} is lighter than the water that it displaces, by {-min(masses[k], clumps[k]):.3g} {'kg/m' if masses[k] < 0.0 else 'kg'}: "
+            "friction of the bed goes with lines of which nothing floats"
+        )
+        raise SceneError([Problem((*path, "friction"), text)])
+
+    if spec.friction > 0.0 and not bed:
+        builder.notice(
+            (*path, "friction"),
+            "does nothing: the line has no bed, as its first end is not on one; bed = true gives it one",
+        )
+
+    first = table.length
+
+    for section, mass, clump in zip(spec.parts, masses, clumps):
+        table.add(
+            section_length=section.length,
+            section_mass=mass,
+            section_stiffness=section.stiffness,
+            section_clump=clump,
+        )
+
+    row = builder.tables["n_composite"].add(
+        composite_from=ends[0],
+        composite_to=ends[1],
+        composite_bed=bed,
+        composite_section=first,
+        composite_sections=len(masses),
+        composite_friction=spec.friction,
+    )
+    place = Place("composite_friction", row)
+    about = "friction of the bed by the weight on it"
+    builder.add_parameters(dotted(name, "friction"), place, spec.friction, None, f"{about}, of {name}")
+    one = spec.sections is None
+
+    for key, values, unit, about in (
+        ("length", [section.length for section in spec.parts], "m", "unstretched length"),
+        ("mass", masses, "kg/m", "mass by length, less that of the water displaced,"),
+        ("stiffness", [section.stiffness for section in spec.parts], "N", "tension by strain"),
+        ("clump", clumps[:-1], "kg", "mass between sections, less that of the water displaced,"),
+    ):
+        place = Place(f"section_{key}", first)
+        given = values[0] if one and values else values
+        of = f"{about} of {name}" if one or key == "clump" else f"{about} of sections of {name}"
+
+        if values:
+            builder.add_parameters(dotted(name, key), place, given, unit, of)
+
+    return row
+
+
+def _density(builder):
+    """kg/m3, of the water."""
+    return (builder.scene.sea or Sea()).density
+
+
+def _mass_in_water(builder, spec):
+    """kg/m, of a line or a section, less that of the water displaced."""
+    return spec.mass - _density(builder) * np.pi * spec.diameter**2 / 4
 
 
 def _has_bed(builder, force):
@@ -76,14 +165,17 @@ def _tell_stretch(builder, name, force):
     """A notice of a line that is shorter than the distance of its ends at the start."""
     first, second = (start_pose(builder, end)[0] for end in force.between)
     distance, spec = np.linalg.norm(second - first), force.catenary
+    length = spec.total_length
 
-    if distance > spec.length:
-        strain = distance / spec.length - 1
+    if distance > length:
+        strain = distance / length - 1
+        give = sum(section.length / section.stiffness for section in spec.parts) / length
         text = (
-            f"is {spec.length:g} m long, and its ends are {distance:g} m apart at the start: stretched by {100 * strain:.2g} %, with "
-            f"{strain * spec.stiffness:.3g} N"
+            f"is {length:g} m long, and its ends are {distance:g} m apart at the start: stretched by {100 * strain:.2g} %, with "
+            f"{strain / give:.3g} N"
         )
-        builder.notice(("force", name, "catenary", "length"), text)
+        key = "length" if spec.sections is None else "sections"
+        builder.notice(("force", name, "catenary", key), text)
 
 
 def _tell_moving_bed(builder, name, force):

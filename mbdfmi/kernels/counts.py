@@ -25,6 +25,8 @@ COUNTS = (
     "n_polygon",  # their faces
     "n_corner",  # corners of these
     "n_line",  # catenaries between two markers
+    "n_composite",  # those of several sections, or with friction of the bed
+    "n_section",  # their sections
     "n_radiation",  # memories of the waves that bodies make
     "n_memory",  # their states
     "n_memory_row",  # of these, one for each body whose waves they are

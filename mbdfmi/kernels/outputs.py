@@ -11,6 +11,7 @@ from .end_frames import frames, on_surfaces, touching
 from .forces import (
     catenaries,
     central_gravity,
+    composite_lines,
     friction,
     gravity_gradient,
     hydrostatics,
@@ -337,17 +338,15 @@ def write_hull_output(m, d, kind, a, at, y):
 
 
 @kernel
-def write_line_output(m, d, kind, a, at, y):
-    """An output of line a into y from `at` on."""
+def write_line_output(m, d, kind, a, composite, at, y):
+    """An output of line a, of several sections or not (1, 0), into y from `at` on."""
     if kind == LINE_POWER:
-        y[at] = catenaries.power_of(m, d, a)
-
+        y[at] = composite_lines.power_of(m, d, a) if composite else catenaries.power_of(m, d, a)
     elif kind == LINE_GROUNDED:
-        y[at] = catenaries.grounded(m, d, a)
-
+        y[at] = composite_lines.grounded(m, d, a) if composite else catenaries.grounded(m, d, a)
     else:
-        force = catenaries.force_on(m, d, a, 0 if kind == LINE_ANCHOR_TENSION else 1)
-
+        end = 0 if kind == LINE_ANCHOR_TENSION else 1
+        force = composite_lines.force_on(m, d, a, end) if composite else catenaries.force_on(m, d, a, end)
         if kind == LINE_FORCE:
             al.set_vec_at(y, at, force)
         else:
@@ -568,7 +567,7 @@ def write_outputs(m, d, y):
             write_hull_output(m, d, kind, a, at, y)
 
         elif LINE_TENSION <= kind <= LINE_POWER:
-            write_line_output(m, d, kind, a, at, y)
+            write_line_output(m, d, kind, a, b, at, y)
 
         elif RADIATION_FORCE <= kind <= ELEVATION or RESISTANCE_FORCE <= kind <= RESISTANCE_POWER:
             write_wave_output(m, d, kind, b if kind == ELEVATION else a, at, y)

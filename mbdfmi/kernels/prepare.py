@@ -2,7 +2,7 @@
 
 import math
 
-from .forces import sea, six_by_six, waves
+from .forces import composite_lines, sea, six_by_six, waves
 from .language import apart, inlined, kernel
 from .math import algebra as al
 from .motion import coordinates
@@ -132,6 +132,10 @@ def wrongly_moved(m):
 
         if not (finite and m.line_length[k] > 0.0 and m.line_mass[k] > 0.0 and m.line_stiffness[k] > 0.0):
             return m.marker_body[m.line_to[k]]
+
+    for k in range(m.n_composite):
+        if not composite_lines.is_line(m, k):
+            return m.marker_body[m.composite_to[k]]
 
     return -1
 

@@ -19,6 +19,10 @@ CHECKS = {
 MOTION = {
     "forces.hydrostatics": "the same panels of hulls are in the water, cut by its surface in the same way",
     "forces.catenaries": "the same part of each line lies on the bed",
+    "forces.composite_lines": "the same part of each line lies on the bed",
+    "forces.composite_pulls": "the same part of each line lies on the bed",
+    "forces.composite_shapes": "the same part of each line lies on the bed",
+    "forces.line_pieces": "the same part of each line lies on the bed",
     "forces.members": "the same parts of members are in the water",
     "forces.stops": "coordinates are on the same sides of their stops",
     "forces.friction": "friction acts in the same way",

@@ -78,7 +78,7 @@ def _kept_waves(function):
 
 
 def _unknown(function):
-    """`catenaries.is_known`: what scratch holds is no part of a graph."""
+    """`catenaries.is_known`, `composite_pulls.is_known`: what scratch holds is no part of a graph."""
     return lambda *args: False
 
 
@@ -92,6 +92,15 @@ def _from_cold(function):
 
     def nearby(m, d, k, w, L, EA, bed, x, z):
         return function.__globals__["first_guess"](L, w, x, z)
+
+    return nearby
+
+
+def _guessed(function):
+    """`composite_pulls.nearby`, likewise."""
+
+    def nearby(m, d, k, x, z):
+        return function.__globals__["guess"](m, d, k, x, z)
 
     return nearby
 
@@ -115,6 +124,8 @@ REPLACED = {
     "forces.catenaries.is_known": _unknown,
     "forces.catenaries.know": _forgotten,
     "forces.catenaries.nearby": _from_cold,
+    "forces.composite_pulls.is_known": _unknown,
+    "forces.composite_pulls.nearby": _guessed,
 }
 """Kernels that call them, or look at what an evaluation before left in scratch, and what takes their
 places."""

@@ -49,6 +49,7 @@ THOROUGH = {
     "gravity_gradient": "gravity_gradient",
     "rotations": "rotations",
     "catenaries": "catenaries",
+    "composite_lines composite_pulls composite_shapes line_pieces": "composite_lines",
     "radiation waves states": "hydrodynamics sea wave_loads",
     "resistance": "wave_loads",
     "natural": "natural_damping",

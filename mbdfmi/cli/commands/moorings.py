@@ -42,7 +42,7 @@ def run(options):
 
     csv, plot = result_files(options, options.scene)
     scene = load_scene(options.scene)
-    lengths = [force.catenary.length for force in scene.force.values() if force.kind == "catenary"]
+    lengths = [force.catenary.total_length for force in scene.force.values() if force.kind == "catenary"]
     offset = options.offset if options.offset is not None else 0.1 * max(lengths, default=1.0)
 
     if not 0.0 < offset < np.inf:

@@ -18,6 +18,7 @@ from ..signatures import DATA, MODEL, void
 from . import (
     catenaries,
     central_gravity,
+    composite_lines,
     effort_inputs,
     friction,
     gravity_gradient,
@@ -65,6 +66,7 @@ def apply(m, d):
     gravity_gradient.add(m, d)
     hydrostatics.add(m, d)
     catenaries.add(m, d)
+    composite_lines.add(m, d)
     radiation.add(m, d)
     resistance.add(m, d)
     waves.add(m, d)
@@ -76,7 +78,7 @@ def apply(m, d):
 def stored_energy(m, d):
     """Energy (J) stored in springs, stops, 6x6 forces, lines and water; that of central gravity is told apart, with the weight's."""
     elastic = joint_springs.energy(m, d) + stops.energy(m, d) + struts.energy(m, d) + six_by_six.energy(m, d)
-    return elastic + hydrostatics.energy(m, d) + catenaries.energy(m, d)
+    return elastic + hydrostatics.energy(m, d) + catenaries.energy(m, d) + composite_lines.energy(m, d)
 
 
 @kernel
@@ -87,7 +89,7 @@ def supplied_by_inputs(m, d):
 
 @kernel
 def dissipated(m, d):
-    """Power (W) that is lost in dampers, friction, stops, damping, and waves made."""
+    """Power (W) that is lost in dampers, friction, stops, damping, waves made, and lines on the bed."""
     power = joint_springs.dissipated(m, d) + friction.dissipated(m, d) + stops.dissipated(m, d)
     return (
         power
@@ -95,6 +97,7 @@ def dissipated(m, d):
         + six_by_six.dissipated(m, d)
         + radiation.dissipated(m, d)
         + resistance.dissipated(m, d)
+        + composite_lines.dissipated(m, d)
         + members.dissipated(m, d)
     )
 

@@ -24,6 +24,7 @@ def add(seed, mechanism, forces, gravity):
 
     if gravity.get("gravity", [0, 0, -9.81])[:2] == [0, 0] and gravity.get("gravity", [0, 0, -9.81])[2] < 0:
         water.fill(Dice(seed, 7), mechanism, forces, gravity)
+        water.lay(Dice(seed, 171), forces, gravity.get("sea", {}))
         water.wave(Dice(seed, 11), mechanism, forces, gravity)
         water.stir(Dice(seed, 18), forces, gravity.get("sea", {}))
 

@@ -57,6 +57,47 @@ def _hang(dice, mechanism, forces):
     forces["the line"] = {"catenary": line, "between": list(pair)}
 
 
+def lay(dice, forces, sea):
+    """Maybe friction of the bed under a line, or a line of sections, some of which may float where nothing lies."""
+    if "the line" not in forces or not dice.chance(0.6):
+        return
+
+    force = forces["the line"]
+    line, density = force["catenary"], sea.get("density", 1025.0)
+    bed = line.get("bed", force["between"][0].partition(".")[0] == "ground")
+
+    if bed and dice.chance(0.7):
+        line["friction"] = dice.number(0.1, 2.0)
+
+    if dice.chance(0.6):
+        count = dice.whole(2, 3)
+        whole = {key: line.pop(key) for key in ("length", "mass", "stiffness")}
+        line.pop("diameter", None)
+        line["sections"] = []
+
+        for k in range(count):
+            part = {
+                "length": round(whole["length"] / count, 4),
+                "mass": round(whole["mass"] * dice.number(0.5, 2.0), 4),
+                "stiffness": round(whole["stiffness"] * dice.number(0.5, 2.0), 4),
+            }
+            part |= {"diameter": 0.01} if dice.chance(0.4) else {}
+
+            if k < count - 1 and dice.chance(0.7):
+                part["clump"] = {"mass": dice.number(0.1, 1.0)}
+                part["clump"] |= (
+                    {
+                        "volume": round(
+                            dice.number(0.0, 0.5 if bed else 2.0) * part["clump"]["mass"] / density, 5
+                        )
+                    }
+                    if dice.chance(0.7)
+                    else {}
+                )
+
+            line["sections"].append(part)
+
+
 def _drag(dice, mechanism, forces, water):
     """Members on a body, maybe a current."""
     owner = dice.pick(mechanism.body)
