@@ -14,6 +14,7 @@ SHIP = MODELS / "ship_crane" / "ship_crane.toml"
 DRAWN = (
     ("sea", TURBINE, "sea_spectrum.png"),
     ("moorings", TURBINE, "moorings.png"),
+    ("moorings", HERE / "line_of_sections.toml", "line_of_sections.png"),
     ("rao", SHIP, "rao.png"),
 )
 

@@ -44,7 +44,7 @@ def draw_moorings(path, found: Moorings, title="", direction=0.0) -> Path:
 
     plan.set_aspect("equal", adjustable="datalim")
     plan.set_title(
-        "footprint from above, m; triangles: lower ends; dots: sections meet; wide: on the bed",
+        "from above, m; triangles: lower ends; dots: joins; wide: on the bed",
         loc="left",
         fontsize="medium",
     )
