@@ -41,7 +41,8 @@ static const Formula AFFINE = {2, LARGE, {0, 1}, {-1, 1}};
 typedef struct Columns {
     uint64_t point;           /* of the instance, that all this is of */
     size_t asked;             /* evaluations along more than one known */
-    double **column[N_PART];  /* by value reference, NULL: not known yet */
+    double **column[N_PART];  /* by value reference, NULL: none yet; they stay for the next point */
+    bool *has[N_PART];        /* whether it is known */
     double *base[N_PART_ALL]; /* the unknowns there */
     bool has_base[N_PART_ALL];
 } Columns;
@@ -56,12 +57,8 @@ static void forget(Instance *c)
 {
     Columns *k = c->columns;
 
-    for (int part = 0; part < N_PART; part++) {
-        for (int64_t i = 0; k->column[part] && i < c->resource.n.variables; i++) {
-            free(k->column[part][i]);
-            k->column[part][i] = NULL;
-        }
-    }
+    for (int part = 0; part < N_PART; part++)
+        memset(k->has[part], 0, (size_t)c->resource.n.variables * sizeof(bool));
     memset(k->has_base, 0, sizeof k->has_base);
     k->asked = 0;
     k->point = c->point;
@@ -72,9 +69,11 @@ void columns_free(Instance *c)
     Columns *k = c->columns;
 
     if (!k) return;
-    forget(c);
     for (int part = 0; part < N_PART; part++) {
+        for (int64_t i = 0; k->column[part] && i < c->resource.n.variables; i++)
+            free(k->column[part][i]);
         free(k->column[part]);
+        free(k->has[part]);
     }
     for (int part = 0; part < N_PART_ALL; part++) free(k->base[part]);
     free(k);
@@ -92,7 +91,8 @@ static Columns *columns_of(Instance *c)
 
         for (int part = 0; part < N_PART; part++) {
             k->column[part] = calloc((size_t)c->resource.n.variables + 1, sizeof(double *));
-            complete = complete && k->column[part];
+            k->has[part] = calloc((size_t)c->resource.n.variables + 1, sizeof(bool));
+            complete = complete && k->column[part] && k->has[part];
         }
         for (int part = 0; part < N_PART_ALL; part++) {
             k->base[part] = malloc((columns_height(c, part) + 1) * sizeof(double));
@@ -119,7 +119,7 @@ bool columns_has(const Instance *c, uint32_t known, Part part)
 {
     const Columns *k = c->columns;
 
-    return k && k->point == c->point && k->column[part][known];
+    return k && k->point == c->point && k->has[part][known];
 }
 
 static const double *unknowns(const Instance *c, Part part)
@@ -293,34 +293,81 @@ Status columns_add_along(Instance *c, const uint32_t known[], size_t n, const do
     return differ_along(c, known, n, seed, part, sum);
 }
 
+/* Room for the column of a known; NULL when there is no memory. */
+static double *room_for(Instance *c, uint32_t known, Part part)
+{
+    double **column = &c->columns->column[part][known];
+
+    if (!*column) *column = malloc((columns_height(c, part) + 1) * sizeof(double));
+    return *column;
+}
+
 /* Keeps the columns of a known that the tape has found in a lane. */
 static void keep_traced(Instance *c, uint32_t known, int lane)
 {
     for (Part part = OUTPUTS; part < N_PART; part++) {
-        if (c->columns->column[part][known]) continue;
-        double *column = calloc(columns_height(c, part) + 1, sizeof(double));
-        bool found = column && traced_add(c, lane, part, column);
-        if (!found) free(column);
-        c->columns->column[part][known] = found ? column : NULL;
+        if (columns_has(c, known, part)) continue;
+        double *column = room_for(c, known, part);
+        if (!column) continue;
+        memset(column, 0, columns_height(c, part) * sizeof(double));
+        c->columns->has[part][known] = traced_add(c, lane, part, column);
     }
 }
 
-/* Finds by the tape, where it can, the columns of a known and of those behind it that are of its kind. */
+/* Keeps the columns of a known that stand one behind the other in `found`; none that is not finite. */
+static void keep_found(Instance *c, uint32_t known, const double found[])
+{
+    const size_t from[N_PART] = {[OUTPUTS] = (size_t)c->ints[COUNT_n_x], [RATES] = 0};
+
+    for (Part part = OUTPUTS; part < N_PART; part++) {
+        size_t height = columns_height(c, part);
+        double *column = columns_has(c, known, part) ? NULL : room_for(c, known, part);
+        bool good = column;
+
+        for (size_t k = 0; k < height && good; k++) good = isfinite(found[from[part] + k]);
+        if (!good) continue;
+        memcpy(column, found + from[part], height * sizeof(double));
+        c->columns->has[part][known] = true;
+    }
+}
+
+/* Finds by the tape the columns of all states and inputs. */
+static void find_whole(Instance *c)
+{
+    size_t length, n_x = (size_t)c->ints[COUNT_n_x];
+    double *found = traced_jacobian(c, &length);
+
+    for (uint32_t i = 0; found && i < c->resource.n.variables; i++) {
+        const Variable *v = &c->resource.variables[i];
+        if (v->kind == VARIABLE_STATE) keep_found(c, i, found + (size_t)v->index * length);
+        if (v->kind == VARIABLE_INPUT) keep_found(c, i, found + (n_x + (size_t)v->index) * length);
+    }
+    free(found);
+}
+
+/* Finds by the tape, where it can, the columns of a known, and of others with it where that costs as much:
+   of all states and inputs, or of those behind it that are of its kind. */
 static void find_traced(Instance *c, uint32_t known)
 {
     static const double one = 1;
+    const Variable *variables = c->resource.variables;
     uint32_t lane[TAPE_LANES];
-    size_t n = 0;
-    int64_t kind = c->resource.variables[known].kind;
+    size_t n = 0, n_kind = 0;
 
-    if (kind == VARIABLE_TUNABLE) {
+    if (variables[known].kind == VARIABLE_TUNABLE) {
         if (traced_along(c, &known, 1, &one)) keep_traced(c, known, 0);
         return;
     }
-    for (uint32_t i = known; i < c->resource.n.variables && n < TAPE_LANES; i++)
-        if (c->resource.variables[i].kind == kind) lane[n++] = i;
-    if (!traced_each(c, lane, n)) return;
-    for (size_t i = 0; i < n; i++) keep_traced(c, lane[i], (int)i);
+    for (uint32_t i = 0; i < c->resource.n.variables; i++) {
+        if (variables[i].kind != variables[known].kind) continue;
+        if (i >= known && n < TAPE_LANES) lane[n++] = i;
+        n_kind++;
+    }
+    if (traced_is_whole(c, n_kind)) {
+        find_whole(c);
+    } else if (traced_each(c, lane, n)) {
+        for (size_t i = 0; i < n; i++) keep_traced(c, lane[i], (int)i);
+    }
 }
 
 const double *columns_get(Instance *c, uint32_t known, Part part, Status *result)
@@ -334,16 +381,14 @@ const double *columns_get(Instance *c, uint32_t known, Part part, Status *result
     if (k) find_traced(c, known);
     if (columns_has(c, known, part)) return k->column[part][known];
 
-    double *column = k ? calloc(columns_height(c, part) + 1, sizeof(double)) : NULL;
+    double *column = k ? room_for(c, known, part) : NULL;
 
     if (!column) {
         *result = instance_refuse(c, "out of memory");
         return NULL;
     }
+    memset(column, 0, columns_height(c, part) * sizeof(double));
     *result = differ_along(c, &known, 1, &one, part, column);
-    if (*result != STATUS_OK) {
-        free(column);
-        return NULL;
-    }
-    return c->columns->column[part][known] = column;
+    k->has[part][known] = *result == STATUS_OK;
+    return *result == STATUS_OK ? column : NULL;
 }

@@ -71,20 +71,36 @@ static bool by_columns(Instance *c, const uint32_t known[], size_t n, const doub
     return missing < 2 || !asked || (*asked)++ >= missing;
 }
 
-/* All of a part along the seed, to sum[]. */
-static Status sum_up(Instance *c, const uint32_t known[], size_t n, const double seed[], Part part,
-                     double sum[])
+/* Adds the derivatives of the unknowns of a part, by columns that are kept. */
+static Status add_columns(Instance *c, const uint32_t unknown[], size_t n_unknown,
+                          const uint32_t known[], size_t n_known, const double seed[], Part part,
+                          double sensitivity[])
 {
-    if (!by_columns(c, known, n, seed, part))
-        return columns_add_along(c, known, n, seed, part, sum);
+    for (size_t i = 0; i < n_known; i++) {
+        Status result = STATUS_OK;
 
-    Status result = STATUS_OK;
-    for (size_t i = 0; i < n && result == STATUS_OK; i++) {
         if (seed[i] == 0) continue;
         const double *column = columns_get(c, known[i], part, &result);
-        for (size_t k = 0; column && k < columns_height(c, part); k++)
-            sum[k] += seed[i] * column[k];
+        if (!column) return result;
+        for (size_t k = 0; k < n_unknown; k++)
+            if (part_of(c, unknown[k]) == part)
+                sensitivity[k] += seed[i] * column[variable(c, unknown[k])->index];
     }
+    return STATUS_OK;
+}
+
+/* Adds those that evaluations along the seed tell. */
+static Status add_along(Instance *c, const uint32_t unknown[], size_t n_unknown,
+                        const uint32_t known[], size_t n_known, const double seed[], Part part,
+                        double sensitivity[])
+{
+    double *sum = calloc(columns_height(c, part) + 1, sizeof(double));
+    Status result = sum ? columns_add_along(c, known, n_known, seed, part, sum)
+                        : instance_refuse(c, "out of memory");
+
+    for (size_t k = 0; k < n_unknown && result == STATUS_OK; k++)
+        if (part_of(c, unknown[k]) == part) sensitivity[k] += sum[variable(c, unknown[k])->index];
+    free(sum);
     return result;
 }
 
@@ -105,15 +121,11 @@ Status derivatives_along(Instance *c, const uint32_t unknown[], size_t n_unknown
     if (n_unknown == 0) return STATUS_OK;
     Status result = check(c, unknown, n_unknown, known, n_known, seed, n_known, sensitivity);
 
+    if (result == STATUS_OK) memset(sensitivity, 0, n_unknown * sizeof(double));
     for (Part part = OUTPUTS; part < N_PART && result == STATUS_OK; part++) {
         if (!has_part(c, unknown, n_unknown, part)) continue;
-        double *sum = calloc(columns_height(c, part) + 1, sizeof(double));
-        result =
-            sum ? sum_up(c, known, n_known, seed, part, sum) : instance_refuse(c, "out of memory");
-        for (size_t i = 0; i < n_unknown && result == STATUS_OK; i++)
-            if (part_of(c, unknown[i]) == part)
-                sensitivity[i] = sum[variable(c, unknown[i])->index];
-        free(sum);
+        result = (by_columns(c, known, n_known, seed, part) ? add_columns : add_along)(
+            c, unknown, n_unknown, known, n_known, seed, part, sensitivity);
     }
     return result == STATUS_OK ? check_result(c, unknown, n_unknown, sensitivity) : result;
 }

@@ -4,31 +4,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "graph.h"
 #include "kernels.h"
 
-/* A part of the rate of a kept operation: what goes from `source`, kept too, through an operand of `op`. */
+/* A result is the rate of another node, by a weight: of one that several edges lead to, its root, or of a
+   leaf. */
 typedef struct {
-    int32_t source, op;
-    bool second;
-} Edge;
+    int32_t root, row; /* row: which of the roots that are no leaves; -1 of leaves */
+    double weight;
+} Result;
 
-/* Of an operation that one other alone needs no rate is kept: its edges are those of that one, and its
-   gain is the derivative of the kept one that it leads to. */
 struct Tape {
     const Resource *r;
-    double *value;       /* of each operation */
-    double *by_a, *by_b; /* its partial derivatives by a and b */
-    double *gain;        /* 1 of what is kept */
-    int32_t *user;       /* who needs it, of what is not kept; -1 of what is */
-    bool *as_second;     /* as which operand */
-
-    int32_t *kept, *leaf, *equality; /* operations of these kinds */
-    int64_t n_kept, n_leaves, n_equalities;
-    Edge *edge;
-    double *slope;   /* of each edge */
-    int64_t *begins; /* where the edges of the i-th kept operation begin; n_kept + 1 */
-    double (*rate)[TAPE_LANES];
-    bool *moves; /* whether any of its rates is not 0 */
+    Graph *graph;
+    double *value;            /* of each operation */
+    double *partial;          /* two partial derivatives of each (graph_operands) */
+    int32_t *leaf, *equality; /* operations of these kinds */
+    int64_t n_leaves, n_equalities;
+    Result *result;
+    int32_t *by_row; /* results, in the order of their rows */
+    int32_t *root;   /* of each row */
+    int64_t n_rows;
+    bool compares; /* whether what is compared depends on states or inputs */
 };
 
 int64_t tape_size(const Sizes *n)
@@ -120,132 +117,79 @@ bool tape_take(Resource *r, const unsigned char *data)
 void tape_free(Tape *t)
 {
     if (!t) return;
+    graph_free(t->graph);
     free(t->value);
-    free(t->by_a);
-    free(t->by_b);
-    free(t->gain);
-    free(t->user);
-    free(t->as_second);
-    free(t->kept);
+    free(t->partial);
     free(t->leaf);
     free(t->equality);
-    free(t->edge);
-    free(t->slope);
-    free(t->begins);
-    free(t->rate);
-    free(t->moves);
+    free(t->result);
+    free(t->by_row);
+    free(t->root);
     free(t);
 }
 
-static bool allocate(Tape *t, size_t n)
+static bool allocate(Tape *t, size_t n, size_t n_results)
 {
     t->value = malloc(n * sizeof(double));
-    t->by_a = malloc(n * sizeof(double));
-    t->by_b = malloc(n * sizeof(double));
-    t->gain = malloc(n * sizeof(double));
-    t->user = malloc(n * sizeof(int32_t));
-    t->as_second = calloc(n, sizeof(bool));
-    t->kept = malloc(n * sizeof(int32_t));
+    t->partial = calloc(2 * n, sizeof(double));
     t->leaf = malloc(n * sizeof(int32_t));
     t->equality = malloc(n * sizeof(int32_t));
-    t->edge = malloc(2 * n * sizeof(Edge));
-    t->slope = malloc(2 * n * sizeof(double));
-    t->begins = malloc((n + 1) * sizeof(int64_t));
-    t->rate = malloc(n * sizeof *t->rate);
-    t->moves = calloc(n, sizeof(bool));
-    return t->value && t->by_a && t->by_b && t->gain && t->user && t->as_second && t->kept
-           && t->leaf && t->equality && t->edge && t->slope && t->begins && t->rate && t->moves;
+    t->result = malloc(n_results * sizeof(Result));
+    t->by_row = malloc(n_results * sizeof(int32_t));
+    t->root = malloc(n_results * sizeof(int32_t));
+    t->graph = graph_create(t->r);
+    return t->value && t->partial && t->leaf && t->equality && t->result && t->by_row && t->root
+           && t->graph;
 }
 
-/* How many operands an operation has a derivative by that is told before it is evaluated. */
-static int slopes_of(int32_t op)
+/* Of a leaf that is a state, or behind these an input, its place among them; else -1. */
+static int64_t known_of(const Resource *r, const Operation *leaf)
 {
-    switch (op) {
-        case TAPE_LED:
-        case TAPE_SELECT:
-        case TAPE_LOAD:
-        case TAPE_INTERVAL:
-        case TAPE_NOT:
-        case TAPE_ISFINITE:
-        case TAPE_LESS:
-        case TAPE_NOT_MORE:
-        case TAPE_EQUAL:
-        case TAPE_UNEQUAL:
-        case TAPE_WHOLE:
-        case TAPE_FLOOR:    return 0;
-        case TAPE_COPYSIGN: return 1;
-        default:            return operands_of(op);
-    }
+    int64_t n_x = r->ints[COUNT_n_x], in_x = leaf->b - r->ints[AT_x];
+
+    if (leaf->a == LEAF_U) return n_x + leaf->b;
+    return leaf->a == LEAF_STATE && in_x >= 0 && in_x < n_x ? in_x : -1;
 }
 
-/* Which operations are kept: results, what is asked for by its own, and what several need or nobody. */
-static void choose_kept(Tape *t)
+/* Whether what is compared depends on states or inputs; true when there is no memory. */
+static bool does_compare(const Tape *t)
 {
-    enum { NOBODY = -2, KEPT = -1 };
     const Resource *r = t->r;
+    bool *depends = calloc((size_t)r->n.operations + 1, sizeof *depends);
+    bool any = !depends;
 
-    for (int64_t k = 0; k < r->n.operations; k++) {
+    for (int64_t k = 0; depends && k < r->n.operations; k++) {
         const Operation *o = &r->operations[k];
-        const int32_t operand[3] = {o->a, o->b, o->c};
-        bool apart = o->op == TAPE_LED || o->op == TAPE_SELECT || o->op == TAPE_EQUAL
-                     || o->op == TAPE_UNEQUAL;
+        int32_t operand[2];
 
-        t->user[k] =
-            operands_of(o->op) == 0 || o->op == TAPE_LED || o->op == TAPE_SELECT ? KEPT : NOBODY;
-        for (int i = 0; i < (apart ? operands_of(o->op) : slopes_of(o->op)); i++) {
-            int32_t *user = &t->user[operand[i]];
-            *user = apart || *user != NOBODY ? KEPT : (int32_t)k;
-            t->as_second[operand[i]] = i == 1;
-        }
+        for (int i = graph_operands(o, operand) - 1; i >= 0; i--)
+            depends[k] = depends[k] || depends[operand[i]];
+        if (o->op == TAPE_LEAF) depends[k] = known_of(r, o) >= 0;
+        if (o->op == TAPE_EQUAL || o->op == TAPE_UNEQUAL)
+            any = any || depends[o->a] || depends[o->b];
     }
-    for (int64_t i = 0; i < r->n.results; i++) t->user[r->results[i]] = KEPT;
-    for (int64_t k = 0; k < r->n.operations; k++)
-        if (t->user[k] == NOBODY) t->user[k] = KEPT;
+    free(depends);
+    return any;
 }
 
-/* The edges, in the order of the kept operations that they lead to. */
-static void join(Tape *t)
+/* The roots of all results. */
+static void find_roots(Tape *t)
 {
     const Resource *r = t->r;
-    int64_t n = r->n.operations, n_edges = 0;
-    int32_t *root = t->kept; /* of each operation, as long as nothing else stands there */
-    int64_t *count = t->begins;
 
-    memset(count, 0, (size_t)(n + 1) * sizeof *count);
-    for (int64_t k = n - 1; k >= 0; k--) root[k] = t->user[k] < 0 ? (int32_t)k : root[t->user[k]];
+    for (int64_t i = 0; i < r->n.results; i++) {
+        Result *result = &t->result[i];
+        int32_t node = graph_node(t->graph, r->results[i]), source;
 
-    for (int pass = 0; pass < 2; pass++) {
-        for (int64_t k = 0; k < n; k++) {
-            const Operation *o = &r->operations[k];
-            const int32_t operand[2] = {o->a, o->b};
-
-            for (int i = 0; i < slopes_of(o->op); i++) {
-                if (t->user[operand[i]] >= 0 || r->operations[operand[i]].op == TAPE_CONSTANT)
-                    continue;
-                if (pass == 0)
-                    count[root[k]]++;
-                else
-                    t->edge[count[root[k]]++] = (Edge){operand[i], (int32_t)k, i == 1};
-            }
-        }
-        if (pass > 0) break;
-        for (int64_t k = 0; k < n; k++) {
-            int64_t here = count[k];
-            count[k] = n_edges;
-            n_edges += here;
-        }
+        while ((source = graph_only_source(t->graph, node)) >= 0) node = source;
+        *result = (Result){node, -1, 1};
+        if (graph_n_sources(t->graph, node) == 0) continue;
+        for (int32_t k = 0; k < t->n_rows && result->row < 0; k++)
+            if (t->root[k] == node) result->row = k;
+        if (result->row >= 0) continue;
+        result->row = (int32_t)t->n_rows;
+        t->root[t->n_rows++] = node;
     }
-
-    /* each count is now where the edges end; those of operations that are not kept are none */
-    int64_t begin = 0;
-    for (int64_t k = 0; k < n; k++) {
-        int64_t end = count[k];
-        if (t->user[k] >= 0) continue;
-        t->begins[t->n_kept] = begin;
-        t->kept[t->n_kept++] = (int32_t)k;
-        begin = end;
-    }
-    t->begins[t->n_kept] = begin;
 }
 
 Tape *tape_create(const Resource *r)
@@ -254,7 +198,7 @@ Tape *tape_create(const Resource *r)
 
     if (!t) return NULL;
     t->r = r;
-    if (!allocate(t, (size_t)r->n.operations + 1)) {
+    if (!allocate(t, (size_t)r->n.operations + 1, (size_t)r->n.results + 1)) {
         tape_free(t);
         return NULL;
     }
@@ -263,8 +207,11 @@ Tape *tape_create(const Resource *r)
         if (op == TAPE_LEAF) t->leaf[t->n_leaves++] = (int32_t)k;
         if (op == TAPE_EQUAL || op == TAPE_UNEQUAL) t->equality[t->n_equalities++] = (int32_t)k;
     }
-    choose_kept(t);
-    join(t);
+    t->compares = does_compare(t);
+    find_roots(t);
+    for (int64_t row = -1, n = 0; row < t->n_rows; row++)
+        for (int64_t i = 0; i < r->n.results; i++)
+            if (t->result[i].row == row) t->by_row[n++] = (int32_t)i;
     return t;
 }
 
@@ -391,37 +338,41 @@ bool tape_evaluate(Tape *t, const Instance *c, const double x[], const double le
 
     for (int64_t k = 0; k < r->n.operations; k++) {
         const Operation *o = &r->operations[k];
+        double *partial = &t->partial[2 * k];
 
-        if (o->op == TAPE_SELECT)
-            t->value[k] = t->value[t->value[o->a] != 0 ? o->b : o->c];
-        else
-            t->value[k] = operate(t, k, &at, &t->by_a[k], &t->by_b[k]);
+        if (o->op == TAPE_SELECT) {
+            bool first = t->value[o->a] != 0;
+            t->value[k] = t->value[first ? o->b : o->c];
+            partial[0] = first;
+            partial[1] = !first;
+        } else {
+            t->value[k] = operate(t, k, &at, &partial[0], &partial[1]);
+        }
     }
     for (int64_t k = by_led ? 0 : r->n.led_guards; k < r->n.guards; k++)
         if ((t->value[r->guards[k].operation] != 0) != (r->guards[k].holds != 0)) return false;
 
-    for (int64_t k = r->n.operations - 1; k >= 0; k--) {
-        int32_t user = t->user[k];
-        t->gain[k] =
-            user < 0 ? 1 : t->gain[user] * (t->as_second[k] ? t->by_b[user] : t->by_a[user]);
-    }
-    for (int64_t i = 0; i < t->begins[t->n_kept]; i++) {
-        const Edge *e = &t->edge[i];
-        t->slope[i] = t->gain[e->op] * (e->second ? t->by_b[e->op] : t->by_a[e->op]);
-    }
+    graph_weigh(t->graph, t->partial);
     return true;
 }
 
+/* ---- by columns ---- */
+
 void tape_rest(Tape *t)
 {
-    for (int64_t i = 0; i < t->n_leaves; i++) memset(t->rate[t->leaf[i]], 0, sizeof *t->rate);
+    graph_rest(t->graph);
+}
+
+static void move(Tape *t, int64_t leaf, int lane, double seed)
+{
+    graph_add_seed(t->graph, graph_node(t->graph, t->leaf[leaf]), lane, seed);
 }
 
 void tape_move(Tape *t, int buffer, int64_t place, int lane, double seed)
 {
     for (int64_t i = 0; i < t->n_leaves; i++) {
         const Operation *o = &t->r->operations[t->leaf[i]];
-        if (o->a == buffer && o->b == place) t->rate[t->leaf[i]][lane] = seed;
+        if (o->a == buffer && o->b == place) move(t, i, lane, seed);
     }
 }
 
@@ -429,65 +380,18 @@ void tape_move_state(Tape *t, const double seed[])
 {
     for (int64_t i = 0; i < t->n_leaves; i++) {
         const Operation *o = &t->r->operations[t->leaf[i]];
-        if (o->a == LEAF_STATE) t->rate[t->leaf[i]][0] += seed[o->b];
+        if (o->a == LEAF_STATE && seed[o->b] != 0) move(t, i, 0, seed[o->b]);
     }
-}
-
-/* Adds a part of a rate to another. */
-static void add(double *restrict to, double slope, const double *restrict rate)
-{
-    for (int i = 0; i < TAPE_LANES; i++) to[i] += slope * rate[i];
-}
-
-/* The rate of the i-th kept operation by its edges. What is not moved is not looked at, so that no infinite
-   slope meets a 0. */
-static void follow(Tape *t, int64_t i)
-{
-    double rate[TAPE_LANES] = {0};
-    int32_t k = t->kept[i];
-
-    t->moves[k] = false;
-    for (int64_t j = t->begins[i]; j < t->begins[i + 1]; j++) {
-        int32_t source = t->edge[j].source;
-        if (!t->moves[source] || t->slope[j] == 0) continue;
-        t->moves[k] = true;
-        add(rate, t->slope[j], t->rate[source]);
-    }
-    if (t->moves[k]) memcpy(t->rate[k], rate, sizeof rate);
-}
-
-/* The rate of an operation that is one of others as it is. */
-static void copy(Tape *t, int64_t k, int32_t source, bool does)
-{
-    t->moves[k] = does && t->moves[source];
-    if (t->moves[k]) memcpy(t->rate[k], t->rate[source], sizeof t->rate[k]);
-}
-
-static bool is_moved(const double rate[TAPE_LANES])
-{
-    for (int i = 0; i < TAPE_LANES; i++)
-        if (rate[i] != 0) return true;
-    return false;
 }
 
 void tape_forward(Tape *t)
 {
-    for (int64_t i = 0; i < t->n_kept; i++) {
-        int32_t k = t->kept[i];
-        const Operation *o = &t->r->operations[k];
-
-        switch (o->op) {
-            case TAPE_LEAF:   t->moves[k] = is_moved(t->rate[k]); break;
-            case TAPE_LED:    copy(t, k, o->a, t->by_a[k] != 0); break;
-            case TAPE_SELECT: copy(t, k, t->value[o->a] != 0 ? o->b : o->c, true); break;
-            default:          follow(t, i);
-        }
-    }
+    graph_sweep(t->graph, BY_SEEDS);
 }
 
-static double rate_of(const Tape *t, int32_t k, int lane)
+static double rate_of(const Tape *t, int32_t operation, int lane)
 {
-    return t->moves[k] ? t->rate[k][lane] : 0;
+    return graph_rate(t->graph, graph_node(t->graph, operation), lane);
 }
 
 double tape_rate(const Tape *t, int64_t i, int lane)
@@ -505,4 +409,86 @@ bool tape_holds(const Tape *t, int lane)
         if (equal && rate_of(t, o->a, lane) != rate_of(t, o->b, lane)) return false;
     }
     return true;
+}
+
+/* ---- by rows ---- */
+
+int64_t tape_n_sweeps(const Tape *t)
+{
+    return t->compares ? INT64_MAX : (t->n_rows + TAPE_LANES - 1) / TAPE_LANES;
+}
+
+/* The weights of results at their roots' rates. */
+static void weigh(Tape *t)
+{
+    for (int64_t i = 0; i < t->r->n.results; i++) {
+        Result *result = &t->result[i];
+        int32_t node = graph_node(t->graph, t->r->results[i]);
+
+        result->weight = 1;
+        while (node != result->root) {
+            result->weight *= graph_only_slope(t->graph, node);
+            node = graph_only_source(t->graph, node);
+        }
+    }
+}
+
+/* Adds to a column what a leaf's rates are of n results, of a sweep from row `first` on. */
+static void add_rates(const Tape *t, const int32_t results[], int64_t n, int64_t first,
+                      int32_t leaf, double column[])
+{
+    const double *rates = graph_rates(t->graph, leaf);
+
+    for (int64_t i = 0; rates && i < n; i++) {
+        const Result *result = &t->result[results[i]];
+        column[results[i]] += result->weight * rates[result->row - first];
+    }
+}
+
+/* The results of a sweep from row `first` on, and how many. */
+static const int32_t *results_of(const Tape *t, int64_t first, int64_t *n)
+{
+    int64_t begin = 0, end;
+
+    while (begin < t->r->n.results && t->result[t->by_row[begin]].row < first) begin++;
+    for (end = begin; end < t->r->n.results; end++)
+        if (t->result[t->by_row[end]].row >= first + TAPE_LANES) break;
+    *n = end - begin;
+    return t->by_row + begin;
+}
+
+/* Adds the weights of results that are the rates of a leaf. */
+static void add_weights(const Tape *t, int32_t leaf, double column[])
+{
+    for (int64_t i = 0; i < t->r->n.results; i++) {
+        const Result *result = &t->result[t->by_row[i]];
+        if (result->row >= 0) break;
+        if (result->root == leaf) column[t->by_row[i]] += result->weight;
+    }
+}
+
+void tape_add_jacobian(Tape *t, double jacobian[])
+{
+    const Resource *r = t->r;
+
+    weigh(t);
+    for (int64_t first = 0; first < t->n_rows; first += TAPE_LANES) {
+        int64_t n;
+        const int32_t *results = results_of(t, first, &n);
+
+        graph_rest(t->graph);
+        for (int64_t k = first; k < t->n_rows && k < first + TAPE_LANES; k++)
+            graph_add_seed(t->graph, t->root[k], (int)(k - first), 1);
+        graph_sweep(t->graph, BY_RESULTS);
+        for (int64_t i = 0; i < t->n_leaves; i++) {
+            int64_t known = known_of(r, &r->operations[t->leaf[i]]);
+            int32_t leaf = graph_node(t->graph, t->leaf[i]);
+            if (known >= 0) add_rates(t, results, n, first, leaf, jacobian + known * r->n.results);
+        }
+    }
+    for (int64_t i = 0; i < t->n_leaves; i++) {
+        int64_t known = known_of(r, &r->operations[t->leaf[i]]);
+        int32_t leaf = graph_node(t->graph, t->leaf[i]);
+        if (known >= 0) add_weights(t, leaf, jacobian + known * r->n.results);
+    }
 }

@@ -1,5 +1,5 @@
 /* The tape of a scene: x' and outputs as one line of operations, written by mbdfmi/export/tape.py, and
-   exact derivatives by it, forward along several seeds at once.
+   exact derivatives by it: along several seeds at once, or of all results by rows.
 
    Its first part leads from the state that a solver gave to the one that keeps to the constraints, `led`;
    the second leads on from there, or in co-simulation from the instance's own state. It holds where its
@@ -7,10 +7,11 @@
 #ifndef MBDFMI_TAPE_H
 #define MBDFMI_TAPE_H
 
+#include "graph.h"
 #include "instance.h"
 
 /* Seeds at once. */
-#define TAPE_LANES 16
+#define TAPE_LANES GRAPH_LANES
 
 typedef struct Tape Tape;
 
@@ -32,7 +33,7 @@ bool tape_evaluate(Tape *t, const Instance *c, const double x[], const double le
 /* All seeds to 0. */
 void tape_rest(Tape *t);
 
-/* A leaf's seed in a lane: whatever stands at a place of a buffer (LEAF_...). */
+/* Adds to a leaf's seed in a lane: whatever stands at a place of a buffer (LEAF_...). */
 void tape_move(Tape *t, int buffer, int64_t place, int lane, double seed);
 
 /* Adds to the seeds of leaves in the state, in lane 0. */
@@ -46,5 +47,12 @@ double tape_rate(const Tape *t, int64_t i, int lane);
 
 /* Whether the tape holds along a lane's seed too. */
 bool tape_holds(const Tape *t, int lane);
+
+/* In how many sweeps tape_add_jacobian goes over all operations, tape_forward in one; INT64_MAX where
+   what the tape takes for equal may be moved apart, and has to be looked at along each seed. */
+int64_t tape_n_sweeps(const Tape *t);
+
+/* Adds the derivatives of all results by each state, then by each input. */
+void tape_add_jacobian(Tape *t, double jacobian[]);
 
 #endif

@@ -138,3 +138,21 @@ bool traced_add(const Instance *c, int lane, Part part, double column[])
     for (size_t k = 0; k < height; k++) column[k] += tape_rate(tape, first + (int64_t)k, lane);
     return true;
 }
+
+bool traced_is_whole(Instance *c, size_t n)
+{
+    if (!begin(c)) return false;
+    return tape_n_sweeps(c->traced->tape) <= (int64_t)((n + TAPE_LANES - 1) / TAPE_LANES);
+}
+
+double *traced_jacobian(Instance *c, size_t *length)
+{
+    size_t width = (size_t)(c->ints[COUNT_n_x] + c->resource.n.u);
+
+    if (!begin(c)) return NULL;
+    *length = (size_t)c->resource.n.results;
+
+    double *jacobian = calloc(width * *length + 1, sizeof(double));
+    if (jacobian) tape_add_jacobian(c->traced->tape, jacobian);
+    return jacobian;
+}

@@ -14,6 +14,13 @@ bool traced_along(Instance *c, const uint32_t known[], size_t n, const double se
    it. */
 bool traced_add(const Instance *c, int lane, Part part, double column[]);
 
+/* Whether all columns of states and inputs are found at once as soon as n are. */
+bool traced_is_whole(Instance *c, size_t n);
+
+/* The derivatives of x', then of outputs, by each state and each input, in columns of this length one
+   after another, to be freed; NULL where they are to be found otherwise. */
+double *traced_jacobian(Instance *c, size_t *length);
+
 void traced_free(Instance *c);
 
 #endif
