@@ -21,6 +21,15 @@
 #define N_SIZES   (sizeof(Sizes) / sizeof(int64_t))
 #define MAX_COUNT (INT64_C(1) << 24) /* of any array: far beyond any model */
 
+/* Bytes of a path that systems commonly take. */
+#ifdef _WIN32
+#define LONGEST_PATH 259
+#else
+#define LONGEST_PATH 4095
+#endif
+
+#define SHOWN 400 /* of it in messages */
+
 /* The head of the file, as it lies there. */
 typedef struct {
     char magic[sizeof RESOURCE_MAGIC - 1];
@@ -339,9 +348,25 @@ static bool take_apart(Resource *r, size_t length, char *why, size_t why_size)
     return are_variables_good(r, why, why_size);
 }
 
+/* A path as messages have it: of one that is too long for them both ends, in whole letters of UTF-8. */
+static void shorten(const char *path, char shown[SHOWN + 1])
+{
+    size_t length = strlen(path), head = SHOWN / 2 - 3, tail = length - SHOWN / 2;
+
+    if (length <= SHOWN) {
+        memcpy(shown, path, length + 1);
+        return;
+    }
+    while (head > 0 && ((unsigned char)path[head] & 0xC0) == 0x80) head--;
+    while (path[tail] && ((unsigned char)path[tail] & 0xC0) == 0x80) tail++;
+    memcpy(shown, path, head);
+    memcpy(shown + head, "...", 3);
+    memcpy(shown + head + 3, path + tail, length - tail + 1);
+}
+
 bool resource_read(Resource *r, const char *location, char *why, size_t why_size)
 {
-    char reason[256];
+    char reason[256], shown[SHOWN + 1];
     size_t length = 0;
     char *path = file_path(location, why, why_size);
     FILE *file = path ? open_file(path) : NULL;
@@ -350,10 +375,17 @@ bool resource_read(Resource *r, const char *location, char *why, size_t why_size
     bool good = file && read_data(r, file, &length, reason, sizeof reason)
                 && take_apart(r, length, reason, sizeof reason);
 
-    if (path && !file)
-        fail(why, why_size, "the resource file '%s' cannot be opened", path);
+    if (path) shorten(path, shown);
+    if (path && !file && strlen(path) > LONGEST_PATH)
+        fail(why, why_size,
+             "the resource file '%s' cannot be opened: its path is of %zu bytes, and this system "
+             "takes "
+             "%d; unpack the FMU in a folder nearer to the root",
+             shown, strlen(path), LONGEST_PATH);
+    else if (path && !file)
+        fail(why, why_size, "the resource file '%s' cannot be opened", shown);
     else if (path && !good)
-        fail(why, why_size, "the resource file '%s' is refused: %s", path, reason);
+        fail(why, why_size, "the resource file '%s' is refused: %s", shown, reason);
 
     if (file) fclose(file);
     if (!good) resource_free(r);

@@ -143,6 +143,26 @@ def test_arrays_sums_and_units(folder, name):
     assert v.shape == (11, 3)
 
 
+@pytest.mark.parametrize("name", ["shaft.fmu", "shaft3.fmu"])
+def test_a_local_variable_is_a_source(folder, name):
+    """A brake from the angular velocity of the rotor, which the scene does not show: 2 omega' = -0.8 omega, with long steps near
+    what it is from the speed of the joint, of which the master knows the derivatives.
+    """
+
+    def run(source, step):
+        shaft = {"file": folder / name}
+        brake = {"source": f"a.{source}", "target": "a.pivot.torque", "factor": -0.8, "units": False}
+        record = ["a.rotor.omega[3]", "a.pivot.speed", "a.rotor.euler_parameters"]
+        return System(fmu={"a": shaft}, link=[brake], record=record).simulate(1.0, step)
+
+    shown, told = run("pivot.speed", 0.1), run("rotor.omega[3]", 0.1)
+    np.testing.assert_allclose(told["a.pivot.speed"], shown["a.pivot.speed"], rtol=0.01)
+    fine = run("rotor.omega[3]", 0.002)
+    np.testing.assert_allclose(fine["a.rotor.omega[3]"], np.exp(-0.4 * fine["time"]), rtol=1e-3)
+    turned = (1 - np.exp(-0.4 * fine["time"])) / 0.4
+    np.testing.assert_allclose(fine["a.rotor.euler_parameters"][:, 2], np.sin(turned / 2), atol=1e-3)
+
+
 def test_both_versions_of_fmi_give_the_same(folder):
     def run(name):
         shaft = {"file": folder / name, "derivatives": False}

@@ -4,6 +4,7 @@ import ctypes
 import itertools
 import math
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -125,6 +126,35 @@ def test_resource_location(arm_library, tmp_path, form):
     instance = Instance(arm_library, location=location.encode())
     assert instance.component, instance.log
     instance.free()
+
+
+def test_long_paths(arm_library, tmp_path):
+    """Of some thousand letters, with spaces and odd ones; beyond what the system takes the message says how long it is."""
+    folder = tmp_path
+
+    for k in range(12):
+        folder = folder / (f"{k} ä%41 " + "long " * 45).strip()
+    assert 2600 < len(str(folder)) < 4000
+    folder.mkdir(parents=True)
+    (folder / "model.bin").write_bytes(resource_of(arm_library))
+
+    for location in (folder.as_uri(), str(folder)):
+        instance = Instance(arm_library, location=location.encode())
+        assert instance.component, instance.log
+        instance.free()
+
+    for location in (folder.as_uri() + "/x" * 3000, str(folder) + "/x" * 3000):
+        refused = Instance(arm_library, location=location.encode())
+        assert refused.component is None
+        assert re.search(
+            r"'/.{190,200}\.\.\..{190,200}/model\.bin' cannot be opened: its path is of \d{4} bytes, and this "
+            r"system takes 4095; unpack the FMU in a folder nearer to the root$",
+            refused.message,
+        ), refused.message
+
+    (folder / "model.bin").write_bytes(b"MBDFMI")
+    refused = Instance(arm_library, location=folder.as_uri().encode())
+    assert refused.component is None and "model.bin' is refused: " in refused.message
 
 
 def test_without_callbacks(new, arm_library):
