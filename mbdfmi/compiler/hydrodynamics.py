@@ -10,6 +10,7 @@ import numpy as np
 
 from ..files import replacing
 from ..hydro import memory as memory_module
+from ..hydro.consistency import disagreements, told_spikes, without_spikes
 from ..hydro.memory import Memory, fit
 from ..hydro.progress import Progress
 from ..hydro.reading import read_coefficients, read_states
@@ -67,7 +68,14 @@ def add_hydrodynamics(builder, name, force, ends):
 
     try:
         stamp = spec.file.path.stat().st_mtime_ns
-        water = sea.density, -builder.scene.gravity[2], spec.scale, spec.froude
+        water = (
+            sea.density,
+            -builder.scene.gravity[2],
+            sea.depth,
+            spec.scale,
+            spec.froude,
+            spec.spikes == "cut",
+        )
         coefficients, notes, memory, held = _read(
             str(spec.file.path), stamp, *water, told, spec.bodies, len(ends), builder.near.get(name, ())
         )
@@ -190,7 +198,7 @@ def _memory_told(spec):
 
 
 @lru_cache(maxsize=8)
-def _read(path, stamp, density, gravity, scale, froude, told, bodies, count, near):
+def _read(path, stamp, density, gravity, depth, scale, froude, cut, told, bodies, count, near):
     """(coefficients, notes, memory or None) of some bodies of a file, and how many that has; stamp : a changed file is read anew.
 
     bodies : their numbers from 1, None: all. count : of the ends that they are to have. near : what the memory is to meet beside.
@@ -200,6 +208,8 @@ def _read(path, stamp, density, gravity, scale, froude, told, bodies, count, nea
     found = found.enlarged(froude) if froude != 1.0 else found
     _check_bodies(path, found.bodies, bodies, count)
     coefficients, notes = (found.of(bodies) if bodies else found).checked()
+    coefficients, cuts = without_spikes(coefficients) if cut else (coefficients, told_spikes(coefficients))
+    notes = notes + cuts + disagreements(coefficients, density, gravity, depth)
 
     if coefficients.bodies < found.bodies:
         notes = [

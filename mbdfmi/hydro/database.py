@@ -134,7 +134,7 @@ class Coefficients:
         if self.excitation is None or self.headings is None or self.wave_omega is None:
             raise ValueError("has no excitation")
 
-        headings, values = _around(self.headings, self.excitation)
+        headings, values = around(self.headings, self.excitation)
         slope = spline_slopes(self.wave_omega, values, 0)
         parts = np.stack(
             [values, slope, spline_slopes(headings, values, 1), spline_slopes(headings, slope, 1)], axis=2
@@ -149,7 +149,7 @@ def _size(matrices):
     return np.outer(peak, peak)
 
 
-def _around(headings, values):
+def around(headings, values):
     """Headings and values with the first repeated at the end where they go all the way round."""
     gaps = np.diff(headings)
 

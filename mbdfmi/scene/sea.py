@@ -235,6 +235,8 @@ class HydrodynamicsOptions(Part):
     scale : m, the length that WAMIT's numbers are non-dimensional by (ULEN).
     froude : how many times as large the bodies are as those of the file, by Froude's law, as of a model in a tank: lengths grow with it,
         times with its root, masses and forces with its third power, in water of the density that the scene has.
+    spikes : whether frequencies at which both added mass and damping jump, as at irregular frequencies of a mesh without a lid, are kept,
+        and told, or "cut" out: neighbours are splined over then.
     reference : (3,) m in the axes of the end, the point of the body that the coefficients are about; left out, the end's origin. Of
         several bodies one for each.
     radiation : how the memory of waves made is fitted, or false: none, added mass at infinite frequency alone.
@@ -251,6 +253,7 @@ class HydrodynamicsOptions(Part):
     bodies: Annotated[tuple[int, ...], BeforeValidator(_numbers)] | None = None
     scale: Positive = 1.0
     froude: Positive = 1.0
+    spikes: OneOf("keep", "cut") = "keep"
     reference: Places | None = None
     radiation: number_or(Boolean, RadiationOptions) = True
     excitation: Excitation = True

@@ -76,6 +76,7 @@ Needs capytaine: pip install "mbdfmi[hydro]".""",
 
 def run(options):
     """Solves, or reads; tells, writes and draws."""
+    from ...hydro.consistency import disagreements, told_spikes
     from ...hydro.memory import fit
     from ...hydro.picture import draw_coefficients
     from ...hydro.reading import ENDINGS
@@ -108,6 +109,9 @@ def run(options):
 
     coefficients = _read(options) if is_database else _solved(options)
     coefficients, notes = coefficients.checked()
+    notes += told_spikes(coefficients) + disagreements(
+        coefficients, options.density, options.gravity, options.depth
+    )
     note(f"{options.file}: {text}" for text in notes)
     _tell(coefficients)
 

@@ -149,6 +149,9 @@ class Statements(Expressions):
             shape = self.function.learn(target.id, result.shape)
             name = self.function.spelled(target.id)
             result = self.coerced(self.binary(op, Text(shape, name), value), shape)
+            if result.text == name and not value.acts:
+                # 0 is added, which compilers warn of
+                return []
             return [Line(f"{name} = {result.text};", name, result.text, "+=", value.acts)]
 
         place = self._written(target)

@@ -224,6 +224,8 @@ def feel(dice, force, sea):
     if dice.chance(0.35):
         options["reference"] = dice.vector(0.3)
     if dice.chance(0.35):
+        options["spikes"] = dice.pick(["keep", "cut"])
+    if dice.chance(0.35):
         options["damping"] = dice.pick([dice.numbers(6, 0.0, 2.0), _pulls_back(dice)])
     if dice.chance(0.35):
         options["quadratic"] = dice.pick([dice.numbers(6, 0.0, 2.0), _pulls_back(dice)])
