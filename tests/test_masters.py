@@ -6,6 +6,7 @@ from scipy.linalg import expm
 
 import mbdfmi
 from mbdfmi.cosim import CouplingError, System
+from mbdfmi.cosim.march import March
 from tests.coupled_blocks import Blocks, block
 
 
@@ -73,6 +74,38 @@ def test_random_systems_at_every_order(file, seed, order):
     options = {"method": ("jacobi", "gauss-seidel")[seed % 2], "order": order}
     errors = [blocks.error(blocks.system(**options).simulate(0.64, H)) for H in (0.01, 0.005)]
     assert errors[0] / errors[1] == pytest.approx(2 ** (order + 1), rel=0.2)
+
+
+@pytest.fixture(scope="module")
+def others(tmp_path_factory):
+    """The same of FMI 3.0, which takes no polynomials: inputs are held at means."""
+    return block().export(tmp_path_factory.mktemp("blocks3") / "block.fmu", fmi=3)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("method", ["jacobi", "gauss-seidel", "auto"])
+@pytest.mark.parametrize("seed", [10, 13])
+def test_products_made_before_are_the_steps_themselves(file, others, fmi, order, method, seed, monkeypatch):
+    """Steps of one length that products of matrices lead are those of the general way, to rounding; the last one is shorter."""
+    blocks = Blocks.random(file if fmi == 2 else others, seed)
+    options = {"method": method, "order": order} | ({"order": 0} if method == "auto" else {})
+    runs = []
+
+    for plainly in (True, False):
+        if not plainly:
+            monkeypatch.setattr(March, "_goes_plainly", False)
+        runs.append(blocks.system(**options).simulate(0.2449, 0.005))
+
+    one, other = runs
+    assert len(one["time"]) == len(other["time"]) == 50
+
+    for name in one:
+        size = np.abs(other[name]).max()
+        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-11 * max(size, 1.0), err_msg=name)
+
+    # neither is told what the other is not
+    assert one.notices == other.notices
 
 
 def test_a_force_that_depends_on_its_own_acceleration(file):

@@ -39,6 +39,16 @@ class History:
         """The bytes of the next row."""
         return self._from[0]
 
+    @property
+    def inputs(self) -> bytearray:
+        """Inputs at the end of steps, likewise, with `input_row`, where they are not held."""
+        return self._end
+
+    @property
+    def input_row(self) -> memoryview:
+        """The bytes of the inputs of the next row."""
+        return self._from[1]
+
     def add(self, time: float):
         """A row."""
         self.n += 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from .errors import CouplingError, Discarded, Ended
 from .history import History
 from .masters import GaussSeidel, Held, Iterated, Jacobi, Newton, Repeated, Stage
 from .misses import WITHIN
+from .plain import Plain
 from .plan import Plan
 from .rig import Rig
 from .schema import Master
@@ -63,6 +65,9 @@ class March:
         variable = all(member.can.variable_steps for member in rig.net.members.values())
         self._starts_careful = master.start_in_parts and variable and self._needs_all()
         self._others = [(port, port.others) for port in rig.ports if port.others]
+        plain = history.held or (rig.net.is_dense and all(stage.phases for stage in self.stages))
+        unseen = not (self._others or self._ports or self.control is not None)
+        self._is_plain = plain and unseen
 
     def _needs_all(self):
         """Whether all states are saved before each step, so that a step can be done again."""
@@ -88,10 +93,14 @@ class March:
         n = len(grid) - 1
         steps = [H] * (n - 1) + [grid[n] - grid[n - 1]]
 
-        plain = self.history.held and not (self._others or self.rig.transfers or self.after)
-        k = self._plainly(grid[:-1], H, progress) if plain else 0
+        k = self._plainly(grid[:-1], H, progress) if self._goes_plainly and self.history.held else 0
 
         while k < n:
+            evenly = len(self._past) >= self.order and all(length == H for length, _ in self._past)
+            if evenly and self._goes_plainly and not self.history.held:
+                k += self._plainly(grid[k:-1], H, progress)
+                if k == n:
+                    break
             if k == 0 and self._starts_careful:
                 self._begin(grid[0], grid[1], steps[0])
             else:
@@ -99,6 +108,11 @@ class March:
             k += 1
             if progress:
                 progress(grid[k])
+
+    @property
+    def _goes_plainly(self):
+        """Whether steps of one length need no more than products between the FMUs' calls."""
+        return self._is_plain and not (self.rig.transfers or self.after)
 
     def _begin(self, start, end, H):
         """The first step, in parts, of which nothing is kept but the last: what is switched on at the start is quick
@@ -113,17 +127,16 @@ class March:
             time = last
 
     def _plainly(self, times, H, progress) -> int:
-        """Steps of H (s) between times (s) of FMUs that hold what they have: as `_to`, without what these do not need. Returns
-        how many.
+        """Steps of H (s) between times (s), after as many as polynomials look back: as `_to`, without what is not needed where
+        none is repeated. Returns how many.
         """
         k, n, history, watch = 0, len(times) - 1, self.history, self.watch
-        held = self.stages[0]
-        assert isinstance(held, Held)
+        march = self._marching(H)
 
         while k < n:
             last = min(n, k + (SHOWN if progress else watch.next - history.n))
             try:
-                held.march(times[k : last + 1], H, history)
+                march(times[k : last + 1], history)
             except Ended as who:
                 raise self._end(who, self.rig.time) from None
             k = last
@@ -132,7 +145,22 @@ class March:
             if progress:
                 progress(times[k])
 
-        return n
+        if n > 0 and not history.held:
+            rig = self.rig
+            self._past = [(H, rig.old.copy()), (H, rig.older.copy())][: self.order]
+            rig.prev[:] = rig.net.G @ rig.old + rig.net.b
+            rig.renew()
+        return max(n, 0)
+
+    def _marching(self, H) -> Callable[[list[float], History], None]:
+        """What does plain steps of H (s) between times."""
+        held = self.stages[0]
+        if isinstance(held, Held):
+            return partial(held.march, H)
+        if len(self._past) > 1:
+            self.rig.older[:] = self._past[1][1]
+        phases = [phase for stage in self.stages for phase in stage.phases or ()]
+        return Plain(self.rig, phases, H, self.order, self._smooth).march
 
     def _to(self, time, end, H):
         """From a time to an end a step of H away, in parts where an FMU stops on the way."""

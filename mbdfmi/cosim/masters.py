@@ -15,10 +15,12 @@ from .slave import WARNING
 class Stage:
     """FMUs that advance together; others before and after them know only the outcome.
 
-    holds : whether inputs stay over the step what they are at its start.
+    holds : whether inputs stay over the step what they are at its start. phases : where steps are not repeated, the FMUs by when they
+    are told what those before them have reached.
     """
 
     holds = False
+    phases: list[list[Port]] | None = None
 
     def __init__(self, rig: Rig, ports: Sequence[Port]):
         self.rig, self.ports = rig, list(ports)
@@ -33,6 +35,10 @@ class Stage:
 
 class Jacobi(Stage):
     """All at once: none knows what others have reached at the end."""
+
+    def __init__(self, rig, ports):
+        super().__init__(rig, ports)
+        self.phases = [self.ports]
 
     def advance(self, time, H, square):
         rig = self.rig
@@ -61,7 +67,7 @@ class Held(Stage):
         self._sets = [(port, port.set_now) for port in self.ports if port.n_u]
         self._steps = [(port, port.step, port.get_all) for port in self.ports]
 
-    def march(self, times, H, history):
+    def march(self, H, times, history):
         """Steps of H (s) from each of the times (s) to the next: as `advance`, one after another, with no more between the
         calls than what goes from FMU to FMU and into the history.
         """
@@ -112,6 +118,10 @@ class Held(Stage):
 
 class GaussSeidel(Stage):
     """One after another: each knows what those before it have reached at the end."""
+
+    def __init__(self, rig, ports):
+        super().__init__(rig, ports)
+        self.phases = [[port] for port in self.ports]
 
     def advance(self, time, H, square):
         for port in self.ports:

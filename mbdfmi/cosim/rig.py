@@ -90,6 +90,15 @@ class Port:
 
         self.others = _Others(self) if net.others[name].n else None
 
+    def setting(self, address: int, order: int) -> list[Callable[[], int]]:
+        """Calls that set the inputs to what stands at an address: values, then derivatives up to an order where they are taken."""
+        entries = self.rig.net.fed[self.name].signals
+        calls: list[Callable[[], int]] = [Channel(self.slave, "Set", entries, address).move]
+        if self.follows:
+            assert isinstance(self.slave, Slave2)
+            calls.append(self.slave.derivative_feed(entries, order, address + 8 * self.n_u))
+        return calls
+
     def _converting(self, get):
         """A call that reads, and what is made of what it reads."""
         block, y = self.rig.net.read[self.name], self.rig.y
@@ -232,15 +241,19 @@ class _Transfer:
 class Rig:
     """All FMUs at work.
 
-    y : values read; old : those at the start of the step. now, end, prev : inputs (n_u,) at the start of the step, at its
+    y : values read; old : those at the start of the step; older, oldest : at the two points before; known : all of them, with
+    a 1 behind y. now, end, prev : inputs (n_u,) at the start of the step, at its
     end, and a step before. time : s, reached. keeps_all : whether the state of every FMU is saved at the start of a step.
     """
 
     def __init__(self, net: Network, through: dict[str, list[tuple[str, str]]]):
         self.net, self.through = net, through
-        # with a 1 behind, which takes what links add
-        self._with_one = np.append(np.zeros(net.n_y), 1.0)
-        self.y, self.old = self._with_one[:-1], np.zeros(net.n_y)
+        # in one vector, with a 1 behind the first, which takes what links add
+        n = net.n_y
+        self.known = np.zeros(4 * n + 1)
+        self.known[n] = 1.0
+        self._with_one, self.y = self.known[: n + 1], self.known[:n]
+        self.old, self.older, self.oldest = self.known[n + 1 :].reshape(3, n)
         self.now, self.end, self.prev = (np.zeros(net.n_u) for _ in range(3))
         self.time = 0.0
         self.keeps_all = False
