@@ -125,9 +125,10 @@ def test_points_on_curves_turn_nothing():
     assert not beyond(Scene.model_validate(data).simulate(1.0, 0.1).notices)
 
 
-def test_in_the_log_of_an_fmu(tmp_path):
+@pytest.mark.parametrize("shape", SHAPES)
+def test_in_the_log_of_an_fmu(shape, tmp_path):
     """As in process, once; a snapshot remembers whether it was said, a reset begins anew."""
-    scene = sliding(SHAPES["spline"])
+    scene = sliding(SHAPES[shape])
     fmu = Hosted(Library(scene.export(tmp_path / "ends.fmu"), tmp_path / "ends")).start()
     wanted = beyond(scene.simulate(1.0, 0.1).notices)
     snapshot = fmu.save()

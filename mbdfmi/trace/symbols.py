@@ -49,6 +49,13 @@ class Symbol:
     def __rtruediv__(self, other):
         return _made(self, Graph.quotient, other, self)
 
+    def __pow__(self, power: int):
+        """A whole power, by products: its derivatives are there at zero, too."""
+        result = self if power else 1.0
+        for _ in range(power - 1):
+            result = result * self
+        return result
+
     def __neg__(self):
         return _made(self, Graph.negative, self)
 
