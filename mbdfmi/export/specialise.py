@@ -180,6 +180,8 @@ def scene_library(
     # tables for exceptions, which C has none of: on Windows its own library has
     less = _NO_UNWINDING if suffix in UNCALLED else ()
     flags = (*WRAPPER_FLAGS, *less, *UNCALLED.get(suffix, ()))
+    # fmu_src/rest.c
+    flags += () if model.rest else ("-DMBDFMI_WITHOUT_REST",)
     made_of = (link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS, *flags)
     digest = hashlib.sha256("\0".join(made_of).encode()).hexdigest()[:20]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{suffix}"
