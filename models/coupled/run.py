@@ -70,10 +70,8 @@ def solved(rates, start, times):
     return found.y
 
 
-def crane(step=None, **master):
-    """Angle of the boom, and the pressure below the piston."""
-    build()
-    run = coupled("hydraulic_crane", step, **master)
+def crane_alone(times):
+    """States [angle, speed, pressures] of the boom and its cylinder as one system, at times (s)."""
     mass, com, inertia = 450.0, 2.6, 900.0 + 450.0 * 2.6**2
     foot, mount = np.array([0.3, -0.9]), np.array([0.9, -0.1])
 
@@ -88,7 +86,14 @@ def crane(step=None, **master):
         turning = (-mass * 9.81 * com * np.cos(angle) - force * lever) / inertia
         return [speed, turning, *cylinder.pressure_rates(t, pressures, length, lever * speed)]
 
-    one = solved(rates, [0, 0, *cylinder.HOLDING], run["time"])
+    return solved(rates, [0, 0, *cylinder.HOLDING], times)
+
+
+def crane(step=None, **master):
+    """Angle of the boom, and the pressure below the piston."""
+    build()
+    run = coupled("hydraulic_crane", step, **master)
+    one = crane_alone(run["time"])
     return run, {
         "boom": ("deg", np.degrees(run["crane.pivot.angle"]), np.degrees(one[0])),
         "pressure below the piston": ("MPa", run["cylinder.piston"] / 1e6, one[2] / 1e6),
