@@ -127,6 +127,32 @@ def test_lines_are_those_of_the_run_and_their_shape_leads_to_its_ends():
     assert slopes[0] == slopes[1] == slopes[2]
 
 
+def test_lines_of_sections_and_with_friction_are_those_of_the_run_too():
+    """Beside a line of one section, in any order: ends, bed, tension, where sections meet; an offset pulls as the run would."""
+    chain = {"length": 160.0, "mass": 80.0, "diameter": 0.05, "stiffness": 3e8}
+    rope = {"length": 170.0, "mass": 30.0, "diameter": 0.14, "stiffness": 8e7}
+    scene = moored().model_dump(exclude_unset=True)
+    buoy = {"clump": {"mass": 100.0, "volume": 3.0}}
+    scene["force"]["a0"]["catenary"] = {"sections": [chain | buoy, rope]}
+    scene["force"]["a2"]["catenary"] = chain | {"length": 330.0, "friction": 1.0}
+    scene = Scene.model_validate(scene)
+    run = scene.simulate(0.01, 0.01)
+    found = moorings(scene, 5.0)
+
+    for line in found.lines:
+        assert_near(line.tension, run[f"{line.name}.tension"][0], 1e-6 * line.tension)
+        assert_near(line.grounded, run[f"{line.name}.grounded_length"][0], 1e-6)
+        assert_near(line.shape[[0, -1]], [line.lower, line.upper], 1e-6)
+        assert line.shape[:, 2].min() >= -100.0 - 1e-6
+        assert line.lying.sum() == 1 and len(line.lying) == len(line.shape) - 1
+        assert_near(np.linalg.norm(np.diff(line.shape, axis=0), axis=1).sum(), 330.0, 1.0)
+
+    assert [len(line.joints) for line in found.lines] == [1, 0, 0]
+    (joint,) = found.lines[0].joints
+    assert joint[2] > -90.0 and (np.abs(found.lines[0].shape - joint).max(axis=1) == 0.0).any()
+    assert found.lines[2].lower_tension < found.lines[1].lower_tension
+
+
 def test_a_line_that_hangs_between_bodies_has_its_weight():
     scene = moored(bed=False, length=345.0)
     line = moorings(scene, 5.0).lines[0]
