@@ -13,6 +13,7 @@ from . import scene as _scene
 from .scene import SceneError as SceneError
 from .scene import reader
 from .scene.fields import adopted, given
+from .threads import one_thread
 
 
 class Scene(_scene.SceneData):
@@ -107,7 +108,7 @@ class Scene(_scene.SceneData):
         numbers, faster. bind : parameters that are constants of it. By default as [code] in the scene says.
         """
         from .run.simulate import inputs_at_start, simulate
-        from .view.show import Run
+        from .view.runs import Run
 
         if self.solver.start == "given":
             model = self._compiled(self._whole())
@@ -171,7 +172,8 @@ class Scene(_scene.SceneData):
         """The scene as it is assembled, as a page (.html), GLB or PNG; without a path, in the browser; see
         `mbdfmi.view.show.show`. Raises SimulationError where it cannot be assembled.
         """
-        from .view.show import at_start, show
+        from .view.runs import at_start
+        from .view.show import show
 
         return show(at_start(self.compile()), path)
 
@@ -185,7 +187,7 @@ class Scene(_scene.SceneData):
 
     def _repr_html_(self):
         """In a notebook: the scene as it is assembled."""
-        from .view.show import at_start
+        from .view.runs import at_start
 
         return at_start(self.compile())._repr_html_()
 
@@ -197,6 +199,7 @@ class Scene(_scene.SceneData):
 
         return inverse(self._whole(), motion, times, **options)
 
+    @one_thread()
     def linearise(self, inputs=None, outputs=None, at=None, **options):
         """A, B, C, D about a state, in minimal coordinates; see `mbdfmi.analysis.linearise.linearise`. Its
         `modes()` are frequencies, damping, shapes.
@@ -219,6 +222,7 @@ class Scene(_scene.SceneData):
 
         return replace(found, notices=[*found.notices, *told]) if told else found
 
+    @one_thread()
     def equilibrium(self, **options):
         """The static equilibrium that it comes to from its start; see `mbdfmi.analysis.rest.equilibrium`. Its
         `scene` starts there.
@@ -227,12 +231,14 @@ class Scene(_scene.SceneData):
 
         return equilibrium(self._whole(), **options)
 
+    @one_thread()
     def equilibria(self, **options):
         """All that are found from drawn starts; see `mbdfmi.analysis.rest.equilibria`."""
         from .analysis.rest import equilibria
 
         return equilibria(self._whole(), **options)
 
+    @one_thread()
     def trim(self, find=None, keep=None, **options):
         """Values of inputs, parameters and start values for which conditions hold; see
         `mbdfmi.analysis.trim.trim`. Without names of what to find it is as `solver.trim` asks.
@@ -241,6 +247,7 @@ class Scene(_scene.SceneData):
 
         return trim(self._whole(), find, keep, **options)
 
+    @one_thread()
     def righting(self, hull=None, axis="x", **options):
         """The righting-arm curve of a hull that floats; see `mbdfmi.analysis.righting.righting`."""
         from .analysis.righting import righting
@@ -273,6 +280,7 @@ class Scene(_scene.SceneData):
         ]
         return equations(Instance(model), free if parameters else parameters, outputs, derivatives)
 
+    @one_thread()
     def structure(self):
         """Degrees of freedom, redundant equations, undetermined reactions; see
         `mbdfmi.analysis.structure.Structure`.
@@ -318,7 +326,7 @@ class Scene(_scene.SceneData):
     def _pictures(model, progress):
         """Pictures of the scene for its FMU, or None, and why is told."""
         from .run.instance import SimulationError
-        from .view.show import still
+        from .view.still import still
 
         try:
             return still(model)

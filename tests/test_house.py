@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "mbdfmi"
 
 FLOORS = (
-    ("vocabulary", "steppers", "units", "files", "vectors", "rotations", "native"),
+    ("vocabulary", "steppers", "units", "files", "lazily", "threads", "vectors", "rotations", "native"),
     ("scene", "kernels", "hydro", "aero"),
     ("compiler",),
     ("run",),

@@ -135,6 +135,26 @@ def test_factors_of_nets_grow_as_their_bodies_do():
     assert values[1] < 2.1 * values[0]
 
 
+def hung(rows):
+    """Evaluations, and steps with those rejected, of a stiff net five wide that hangs at its rest lengths and is let go."""
+    tables = choice.net(rows, 5, 2e5, 5e3)
+
+    for force in tables["force"].values():
+        # one table for all
+        force["spring_damper"].pop("rest_length", None)
+
+    solver = STIFF | {"output": ["evaluations", "steps", "rejected_steps"]}
+    results = Scene.model_validate({"name": "net", "solver": solver} | tables).simulate(until=0.2, step=0.01)
+    steps = results["solver.steps"][-1] + results["solver.rejected_steps"][-1]
+    return results["solver.evaluations"][-1], steps
+
+
+def test_longer_nets_take_no_more_steps():
+    """What grows with a net is the cost of an evaluation, unless the net moves in another way (docs/auto.md)."""
+    evaluations, steps = np.array(hung(32)) / hung(8)
+    assert evaluations < 1.2 and steps < 1.2
+
+
 def test_the_jacobian_is_that_of_central_differences():
     instance = instance_of(bars(3, solver=STIFF))
     instance.d.x[:] = np.linspace(0.3, 1.3, 6)

@@ -28,7 +28,7 @@ from mbdfmi.view.contents import PALETTE
 from mbdfmi.view.curves import SURFACES
 from mbdfmi.view.drawing import draw
 from mbdfmi.view.picture import picture
-from mbdfmi.view.show import at_start
+from mbdfmi.view.runs import at_start
 from tests.model_files import SCENES
 
 ROOT = Path(__file__).parents[1]

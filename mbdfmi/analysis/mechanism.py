@@ -21,6 +21,7 @@ from ..kernels.dynamics import projection, rates, rows
 from ..kernels.motion import coordinates, drives, kinematics
 from ..kernels.status import OK
 from ..run.instance import Instance
+from ..threads import one_thread
 
 # singular values below this part of the largest are zero: positions are known to the square root
 # of rounding near a singular one
@@ -105,9 +106,10 @@ class Place:
             columns = members[members >= n_row] - n_row
 
             if rows.size or columns.size:
-                blocks.append((rows, columns, *np.linalg.svd(self.C[np.ix_(rows, columns)])))
+                blocks.append((rows, columns))
 
-        return blocks
+        with one_thread():
+            return [(*block, *np.linalg.svd(self.C[np.ix_(*block)])) for block in blocks]
 
     @cached_property
     def _ranks(self):

@@ -18,9 +18,11 @@ __all__ = ["carry_out", "main"]
 
 def main(arguments=None) -> int:
     """Run the command line; returns the exit status: 0 done, 1 failed with a message."""
-    if (arguments or sys.argv[1:])[:1] != ["hydro"]:
+    command = next(iter(sys.argv[1:] if arguments is None else arguments), None)
+
+    if command != "hydro":
         # all but its matrices are small: threads of OpenBLAS wait for each other more than they work
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
     gc.set_threshold(OBJECTS_BEFORE_A_LOOK)
-    return carry_out(parser(), arguments)
+    return carry_out(parser(command), arguments)

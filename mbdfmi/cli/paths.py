@@ -102,13 +102,13 @@ def view_file(text, at, *inputs):
     """The file of a view, or None, looked at before work starts; inputs: files that it must not be, or
     None.
     """
-    from ..view.show import check_view
-
     if not text:
         if at is not None:
             raise ValueError(f"--at {at:g}: is the time of a picture; write --view FILE.png")
 
         return None
+
+    from ..view.show import check_view
 
     path = writable(text, [file for file in inputs if file])
     check_view(path, at)

@@ -1,11 +1,11 @@
 """Curves and surfaces of markers, and the joints whose end frames are on them."""
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..kernels import notes, outputs
 from ..kernels.end_frames import curves, surfaces, touching
 from ..kernels.math import tables
+from ..lazily import scipy
 from ..scene import Problem, SceneError
 from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETER_EFFORTS, PARAMETERS, parameter_of
 from .builder import Place, Source, Told

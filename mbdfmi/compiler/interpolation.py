@@ -6,8 +6,8 @@ than a sampled peak does.
 """
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..lazily import scipy
 from ..vectors import solve_banded
 
 # a spline may leave two neighbours by as much more than the parabola through samples of a peak does

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..hydro.database import Coefficients
 from ..hydro.memory import NEAR, Memory
@@ -11,6 +10,7 @@ from ..kernels import entry
 from ..kernels.dynamics import inertia, rates
 from ..kernels.motion import markers
 from ..kernels.status import OK
+from ..lazily import scipy
 
 # of a displacement, m or rad or what else coordinates are
 STEP = 1e-4

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..lazily import scipy
 from ..scene import Problem, SceneError
 from ..vectors import dot
 

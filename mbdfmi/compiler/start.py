@@ -1,8 +1,8 @@
 """Where things are at the start, as far as start values alone tell."""
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..lazily import scipy
 from ..rotations import Rotation
 from ..vectors import dot, norm
 from .frames import IDENTITY, compose, inverse

@@ -1,10 +1,10 @@
 """Wind, and rotors in it."""
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
 from ..kernels import outputs
 from ..kernels.math.tables import HOLD
+from ..lazily import scipy
 from ..scene import Problem, SceneError
 from ..vectors import norm, spline_at
 from ..vocabulary import ROTOR_OUTPUTS, ROTOR_PITCH, WIND_VELOCITY

@@ -17,7 +17,7 @@ from ..run.simulate import communication_points
 from ..scene.errors import SceneError, place_text
 from ..scene.reader import parse_scene, read_bytes
 from ..view.recorder import Recorder
-from ..view.show import Run
+from ..view.runs import Run
 from .errors import CouplingError
 from .graph import through
 from .history import History, Seen

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..lazily import scipy
 from .database import Coefficients, motion
 
 # of the peaks of two motions: coupling that counts

@@ -2,9 +2,9 @@
 
 from typing import Annotated, ClassVar
 
-import webcolors
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from ..lazily import webcolors
 from .errors import did_you_mean, show
 from .fields import Axis, Number, OneOf, Part, Positive, Vector, by_key, number
 from .geometry import (

@@ -1,8 +1,8 @@
 """Curves and surfaces of end frames as points to draw, in the axes of their marker."""
 
 import numpy as np
-import scipy  # which imports its parts when they are asked for
 
+from ..lazily import scipy
 from . import forms
 
 # points along a curve, and each way across a surface

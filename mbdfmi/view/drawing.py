@@ -20,8 +20,7 @@ FINE = 2
 # how often, and down to how many pixels, long slanting triangles are cut
 CUTS, SHORT = 6, 16
 
-# fragments in hand at once, few enough for the cache; layers of what is seen through
-MOST = 100_000
+# layers of what is seen through
 LAYERS = 6
 
 
@@ -32,7 +31,8 @@ def draw(picture, row=0, width=640, height=400, grid=True):
     fragments = camera.fragments(points)
     light = _light(camera.facing(points, normals))
     fine = _blend(fragments, colours[:, None] * light, opacities, width * FINE * height * FINE)
-    image = fine.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
+    fine = fine.reshape(height, FINE, width, FINE, 3)
+    image = sum(fine[:, i, :, j] for i in range(FINE) for j in range(FINE)) / FINE**2
     return np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
 
 
@@ -114,45 +114,56 @@ class _Camera:
         x, y, depth, ahead = self._seen(points)
         left, right = np.clip([x.min(axis=1), x.max(axis=1)], 0, self.width)
         top, bottom = np.clip([y.min(axis=1), y.max(axis=1)], 0, self.height)
-        first = np.floor(np.column_stack([left, top])).astype(int)
-        size = np.ceil(np.maximum(right - first[:, 0], bottom - first[:, 1])).astype(int)
-        shown = np.flatnonzero(ahead & (right > left) & (bottom > top))
-        found = []
-
-        # triangles of about one size together
-        for edge in (2**power for power in range(13)):
-            some = shown[(size[shown] <= edge) & (size[shown] > edge // 2)]
-
-            for k in range(0, len(some), max(1, MOST // edge**2)):
-                chunk = some[k : k + max(1, MOST // edge**2)]
-                found.append(self._covered(chunk, x, y, depth, first, edge))
-
-        return [np.concatenate(parts) for parts in zip(*found)] if found else None
-
-    def _covered(self, chunk, x, y, depth, first, edge):
-        """Fragments of some triangles, of squares of pixels that hold them."""
-        step = np.arange(edge)
-        px = (first[chunk, 0, None] + step)[:, None, :] + 0.5
-        py = (first[chunk, 1, None] + step)[:, :, None] + 0.5
-        (ax, bx, cx), (ay, by, cy) = (v[chunk].T[:, :, None, None] for v in (x, y))
+        (ax, bx, cx), (ay, by, cy) = x.T, y.T
         area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
-        area = np.where(np.abs(area) < 1e-9, np.inf, area)
-        u = ((bx - px) * (cy - py) - (cx - px) * (by - py)) / area
-        v = ((cx - px) * (ay - py) - (ax - px) * (cy - py)) / area
-        w = 1 - u - v
-        inside = (u >= 0) & (v >= 0) & (w >= 0) & np.isfinite(area) & (px < self.width) & (py < self.height)
-        n, row, column = np.nonzero(inside)
-        weights = np.column_stack([u[inside], v[inside], w[inside]])
-        pixel = (first[chunk[n], 1] + row) * self.width + first[chunk[n], 0] + column
+        shown = np.flatnonzero(ahead & (right > left) & (bottom > top) & (np.abs(area) > 1e-9))
+
+        if not len(shown):
+            return None
+
+        # shares of the corners are linear over the picture: at its own corner, by column, by row
+        def share(bx, by, cx, cy):
+            return np.column_stack([bx * cy - cx * by, by - cy, cx - bx])[shown] / area[shown, None]
+
+        shares = np.stack([share(bx, by, cx, cy), share(cx, cy, ax, ay)], axis=1)
+        shares = np.concatenate([shares, [[[1.0, 0.0, 0.0]]] - shares.sum(axis=1, keepdims=True)], axis=1)
+
+        # each row of each triangle, and its columns on which no share is negative
+        first = np.floor(top[shown]).astype(int)
+        which, row = _counted(np.ceil(bottom[shown]).astype(int) - first)
+        row = row + first[which]
+        at_left = shares[which, :, 0] + shares[which, :, 2] * (row[:, None] + 0.5)
+        slope = shares[which, :, 1]
+
+        with np.errstate(divide="ignore", invalid="ignore"):
+            border = -at_left / slope
+
+        least = np.where(slope > 0, border, -np.inf).max(axis=1).clip(0, self.width)
+        most = np.where(slope < 0, border, np.inf).min(axis=1).clip(0, self.width)
+        begin = np.ceil(least - 0.5).astype(int)
+        end = np.floor(most - 0.5).astype(int) + 1
+        end[((slope == 0) & (at_left < 0)).any(axis=1)] = 0
+        span, column = _counted(np.maximum(np.minimum(end, self.width) - begin, 0))
+        column = column + begin[span]
+
+        weights = at_left[span] + slope[span] * (column[:, None] + 0.5)
+        triangle = shown[which[span]]
         # as distances appear: their reciprocals are linear on the screen
-        weights /= depth[chunk[n]]
+        weights /= depth[triangle]
         distance = 1 / weights.sum(axis=1)
-        return pixel, distance, chunk[n], weights * distance[:, None]
+        return row[span] * self.width + column, distance, triangle, weights * distance[:, None]
+
+
+def _counted(counts):
+    """(k, 0 to counts[k] - 1) of all k one after another."""
+    k = np.repeat(np.arange(len(counts)), counts)
+    return k, np.arange(len(k)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _blend(fragments, colours, opacities, n):
     """(n, 3): what is seen at each pixel. colours (triangles, 3 corners, 3), opacities (triangles,)."""
-    image = np.tile(BACKGROUND, (n, 1))
+    image = np.empty((n, 3))
+    image[:] = BACKGROUND
 
     if fragments is None:
         return image
@@ -164,16 +175,17 @@ def _blend(fragments, colours, opacities, n):
     opacity = opacities[triangle]
     # which fragment of its pixel, from the front, and how much is seen through those before it
     start = np.flatnonzero(np.concatenate([[True], pixel[1:] != pixel[:-1]]))
-    rank = np.arange(len(pixel)) - np.repeat(start, np.diff([*start, len(pixel)]))
-    through, seen = np.ones(n), np.zeros((n, 3))
+    count = np.diff(start, append=len(pixel))
+    through, seen = np.ones(len(start)), np.zeros((len(start), 3))
 
     for layer in range(LAYERS):
-        k = np.flatnonzero(rank == layer)
-        at = pixel[k]
+        at = np.flatnonzero(count > layer)
+        k = start[at] + layer
         seen[at] += (through[at] * opacity[k])[:, None] * colour[k]
         through[at] *= 1 - opacity[k]
 
-    return seen + through[:, None] * image
+    image[pixel[start]] = seen + through[:, None] * BACKGROUND
+    return image
 
 
 def _light(normals):

@@ -8,7 +8,7 @@ from ..compiler.model import Model
 from ..kernels.motion.commands import N_DERIVATIVE
 from ..run.instance import Instance
 from ..run.states import States
-from .show import Run
+from .runs import Run
 
 # a serialised state (fmu_src/snapshot.c): how it begins, its format, where that, sizes and GUID stand; its
 # numbers are its end

@@ -93,7 +93,8 @@ def run(options):
         out.print(str(rewritten(options.scene, scene, found[0].scene, write)), soft_wrap=True)
 
     if shown:
-        from ...view.show import at_start, show
+        from ...view.runs import at_start
+        from ...view.show import show
 
         run_ = at_start(found[0].scene.compile(), parameters, hold)
         out.print(str(show(run_, shown, tell=lambda text: note([text]))), soft_wrap=True)

@@ -141,7 +141,8 @@ def run(options):
 
     if shown:
         from ...analysis.shapes import shapes
-        from ...view.show import Run, show
+        from ...view.runs import Run
+        from ...view.show import show
 
         found = Run.of(shapes(modes, options.mode))
         out.print(str(show(found, shown, tell=lambda text: note([text]))), soft_wrap=True)

@@ -39,7 +39,8 @@ def run(options):
     model = scene.compile()
     inputs, parameters = settings_of(model, options.set)
 
-    from ...view.show import at_start, show
+    from ...view.runs import at_start
+    from ...view.show import show
 
     with doing_here(f"{options.scene}: assembling it"):
         found = at_start(model, parameters, inputs)
