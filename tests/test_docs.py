@@ -133,3 +133,25 @@ def test_files_that_the_documents_name(page):
 
     for path in named:
         assert (ROOT / path).exists(), path
+
+
+def test_tests_that_the_documents_name():
+    """Each is there; and each row of what the FMUs can do names one."""
+    files = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py")}
+    known = set(re.findall(r"^def (test_\w+)", "\n".join(files.values()), flags=re.M)) | {
+        name.removesuffix(".py") for name in files
+    }
+
+    for page in PAGES:
+        named = set(re.findall(r"\b(test_\w+)(?:\.py)?`", page.read_text(encoding="utf-8")))
+        assert named <= known, (page.name, named - known)
+
+    table = (
+        (ROOT / "docs" / "fmi.md")
+        .read_text(encoding="utf-8")
+        .partition("held by |\n")[2]
+        .partition("\n\n")[0]
+    )
+    rows = table.splitlines()[1:]
+    assert len(rows) > 40
+    assert all("`test_" in row.rpartition(" | ")[2] for row in rows), rows
