@@ -219,6 +219,17 @@ def test_two_of_them_go_into_one_program(fmus, tmp_path):
     np.testing.assert_allclose([float(line) for line in told.split()], expected, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "integrator"), [("pendulum", "auto"), ("floating_wind_turbine/turbine_at_sea", "rk4")]
+)
+def test_code_of_a_scene_compiles_without_a_warning(name, integrator, tmp_path):
+    """What clang and gcc warn of: a place added that is 0; and a wave's number that counts bodies later."""
+    (tmp_path / "scene.c").write_text(core.core(scene(name, integrator).compile()), encoding="utf-8")
+    command = [*COMPILERS["zig"], *STRICT, "-c", "scene.c", "-o", "scene.o"]
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stderr
+
+
 def test_a_function_that_calls_itself_is_refused():
     program = Program()
     function = program.add(plain_function(algebra.dot), [shapes.Tuple(None, (shapes.ANY_REAL,) * 3)] * 2)
