@@ -1,11 +1,14 @@
 """Lines of several sections and friction of the bed: closed forms, lines cut in two, other ways to solve them, energy, random lines."""
 
+import re
+
 import numpy as np
 import pytest
 from scenes import assert_near
 from scipy.integrate import solve_ivp
 
 from mbdfmi import Scene, SceneError
+from mbdfmi.analysis.moorings import moorings
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.kernels.dynamics import rates
 from mbdfmi.kernels.forces import catenaries, composite_lines, composite_pulls, composite_shapes
@@ -20,16 +23,17 @@ CHAIN = {"length": 200.0, "mass": 130.4, "diameter": 0.0809, "stiffness": 589e6}
 ROPE = {"length": 250.0, "mass": 30.0, "diameter": 0.14, "stiffness": 80e6}
 
 
-def moored(at, line, velocity=(0, 0, 0), **scene):
-    """A body at a place, held by one line from an anchor at the origin."""
+def moored(at, line, velocity=(0, 0, 0), anchor=(0, 0, 0), **scene):
+    """A body at a place, held by one line from an anchor on the ground."""
     start = {"position": list(at), "velocity": list(velocity)}
     return Scene.model_validate(
         {
             "name": "moored",
             "gravity": [0, 0, -G],
+            "ground": {"marker": {"anchor": {"position": list(anchor)}}},
             "body": {"buoy": {"mass": 1e4, "inertia": [1e4, 1e4, 1e4], "output": ["position"]}},
             "joint": {"sea": {"free": {}, "between": ["ground", "buoy"], "start": start}},
-            "force": {"line": {"catenary": line, "between": ["ground", "buoy"], "output": OUTPUTS}},
+            "force": {"line": {"catenary": line, "between": ["ground.anchor", "buoy"], "output": OUTPUTS}},
         }
         | scene
     )
@@ -474,3 +478,35 @@ def test_mistakes_are_told():
     assert "catenary.friction: does nothing: the line has no bed" in notice
     (notice,) = compile_scene(moored([600, 0, 150], ROUGH)).notices
     assert "catenary.sections: is 510 m long, and its ends are 618.466 m apart" in notice
+
+
+@pytest.mark.parametrize(
+    ("place", "line", "more", "told"),
+    [
+        ([100, 0, 0], BUOYED, {"anchor": [0, 0, -120]}, "between: ground.anchor starts at z = -120 m, under the sea's bed"),
+        ([100, 0, 50], CHAIN | {"diameter": 0.1}, {"anchor": [0, 0, 20]}, "catenary: both ends start above the water"),
+        ([3, 0, -1], CHAIN | {"length": 1e5}, {"anchor": [0, 0, -100]}, "catenary.length: is 100000 m long, .* times as long"),
+        ([100, 0, 0], BUOYED, {"anchor": [0, 0, -101]}, None),
+        ([100, 0, 50], CHAIN, {"anchor": [0, 0, -100]}, None),
+    ],
+)  # fmt: skip
+def test_ends_out_of_the_water_and_lengths_in_other_units_are_told(place, line, more, told):
+    notices = "\n".join(compile_scene(moored(place, line, sea={"depth": 100}, **more)).notices)
+    assert re.search(told, notices) if told else not re.search("between|catenary", notices), notices
+
+
+def test_a_buoy_that_would_fly_is_told():
+    """Only where it is drawn: at its place the line is asked for, nothing else knows it before a run."""
+    for depth, told in ((100, True), (10_000, False)):
+        scene = moored([100, 0, 0], BUOYED, anchor=[0, 0, -depth], sea={"depth": depth})
+        texts = [text for text in moorings(scene, 1.0, points=3).notices if "above the water" in text]
+        assert len(texts) == told
+
+
+def test_one_section_may_be_a_table():
+    one, listed = (moored([100, 0, 50], {"sections": given}) for given in (CHAIN, [CHAIN]))
+    assert compile_scene(one).notices == compile_scene(listed).notices
+    assert one.force["line"].catenary.parts == listed.force["line"].catenary.parts
+
+    with pytest.raises(SceneError, match=r"clump: needs a mass \(kg\), a volume \(m3\), or both"):
+        moored([100, 0, 50], {"sections": [CHAIN | {"clump": {}}, CHAIN]})

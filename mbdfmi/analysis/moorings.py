@@ -95,7 +95,20 @@ def moorings(scene: SceneData, offset: float, direction: float = 0.0, points: in
     tension = np.array([[line.tension for line in lines] for lines in there])
     step = STRIDE * max(line.length for line in now)
     stiffness = (force_of(lines_at(step)) - force_of(lines_at(-step))) / (2 * step)
-    return Moorings(now, offsets, force, float(stiffness), tension, instance.notices)
+    notices = [*instance.notices, *_out_of_water(scene, now)]
+    return Moorings(now, offsets, force, float(stiffness), tension, notices)
+
+
+def _out_of_water(scene, lines):
+    """Texts about lines that float up above the still water, where buoys would stop."""
+    for line in lines:
+        top = float(line.shape[:, 2].max())
+
+        if scene.sea and top > max(0.0, line.lower[2], line.upper[2]) + 1e-6 * line.length:
+            yield (
+                f"[force.{line.name}] catenary: what floats lifts it to z = {top:.3g} m, above the water: "
+                "it would stop there"
+            )
 
 
 def _ends(instance, scene, name, first, second, moved):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..scene import SceneData
+from ..scene.errors import show
 from .linear import Linear, _Look, about
 from .manifold import Manifold
 from .places import state_at
@@ -53,8 +54,15 @@ def rao(scene: SceneData, omega=None, direction=0.0, outputs=None, at=None) -> R
     m, d = mechanism.m, mechanism.d
 
     if not m.n_excitation and not m.n_station:
+        deaf = [
+            f"[force.{name}] hydrodynamics.excitation is {show(force.hydrodynamics.excitation)}"
+            for name, force in scene.force.items()
+            if force.kind == "hydrodynamics"
+        ]
+        found = f"; found {', '.join(deaf)}" if deaf else ""
         raise ValueError(
-            f"{scene.name}: nothing in it feels waves: no hydrodynamics with excitation, no member with waves"
+            f"{scene.name}: nothing in it feels waves, as hydrodynamics with excitation = true or a member "
+            f"would{found}"
         )
 
     known = _known(m)

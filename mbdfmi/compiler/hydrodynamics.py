@@ -120,6 +120,10 @@ def add_hydrodynamics(builder, name, force, ends):
 
     if spec.excitation == "input":
         _add_excitation_inputs(builder, name, force, ends)
+
+        if sea.waves:
+            text = 'is "input": the waves of [sea] do not act here, what comes in does'
+            builder.notice(("force", name, "hydrodynamics", "excitation"), text)
     elif spec.excitation and sea.waves:
         rows[1] = _add_excitation(
             builder, name, (ends, starts), coefficients, held == 1, spec.position == "now"

@@ -21,12 +21,20 @@ LINE_KINDS = {
 }
 
 
+# of the depth: how far above or under the sea's bed an anchor is still on it
+NEAR_BED = 1.01
+
+# by the distance of its ends: a line so long has its length in other units
+FAR_TOO_LONG = 100.0
+
+
 def add_catenary(builder, name, force, ends):
     """A catenary between two markers. Raises SceneError for a line that floats."""
     spec = force.catenary
     composite = spec.is_composite
     row = (_add_composite if composite else _add_line)(builder, name, force, ends)
-    _tell_stretch(builder, name, force)
+    _tell_length(builder, name, force)
+    _tell_places(builder, name, force)
     _tell_moving_bed(builder, name, force)
     nodes = [builder.node_of(end) for end in force.between]
 
@@ -158,24 +166,48 @@ def _has_bed(builder, force):
         return force.catenary.bed
     if not stands_still(anchor):
         return False
-    return not (sea and sea.depth) or start_pose(builder, anchor)[0][2] < -0.99 * sea.depth
+    return not (sea and sea.depth) or start_pose(builder, anchor)[0][2] < -(2.0 - NEAR_BED) * sea.depth
 
 
-def _tell_stretch(builder, name, force):
-    """A notice of a line that is shorter than the distance of its ends at the start."""
+def _tell_length(builder, name, force):
+    """A notice of a line that is shorter than the distance of its ends at the start, or many times as long."""
     first, second = (start_pose(builder, end)[0] for end in force.between)
     distance, spec = np.linalg.norm(second - first), force.catenary
     length = spec.total_length
+    text = f"is {length:g} m long, and its ends are {distance:g} m apart at the start: "
+    key = "length" if spec.sections is None else "sections"
 
     if distance > length:
         strain = distance / length - 1
         give = sum(section.length / section.stiffness for section in spec.parts) / length
+        text += f"stretched by {100 * strain:.2g} %, with {strain / give:.3g} N"
+    elif length > FAR_TOO_LONG * distance > 0.0:
+        text += f"{length / distance:.0f} times as long; lengths are in m"
+    else:
+        return
+
+    builder.notice(("force", name, "catenary", key), text)
+
+
+def _tell_places(builder, name, force):
+    """A notice of an end under the sea's bed at the start, or of a line above the sea that is weighed as one in it."""
+    spec, sea = force.catenary, builder.scene.sea
+    heights = [float(start_pose(builder, end)[0][2]) for end in force.between]
+    deepest, path = min(heights), ("force", name)
+
+    if sea and sea.depth and deepest < -NEAR_BED * sea.depth:
+        end = force.between[heights.index(deepest)]
+        text = f"{end} starts at z = {deepest:g} m, under the sea's bed: [sea] depth is {sea.depth:g} m"
+        builder.notice((*path, "between"), text)
+
+    carried = any(part.diameter > 0.0 or (part.clump and part.clump.volume > 0.0) for part in spec.parts)
+
+    if sea and carried and min(heights) > 0.0:
         text = (
-            f"is {length:g} m long, and its ends are {distance:g} m apart at the start: stretched by {100 * strain:.2g} %, with "
-            f"{strain / give:.3g} N"
+            f"both ends start above the water, at z = {heights[0]:g} and {heights[1]:g} m, and what the line displaces carries it as if "
+            "it were in it: diameter = 0 in air"
         )
-        key = "length" if spec.sections is None else "sections"
-        builder.notice(("force", name, "catenary", key), text)
+        builder.notice((*path, "catenary"), text)
 
 
 def _tell_moving_bed(builder, name, force):

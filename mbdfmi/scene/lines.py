@@ -14,11 +14,18 @@ class Clump(Part):
     """A weight or a buoy at the place where two sections of a line meet.
 
     mass : kg, in air.
-    volume : m3, of water that it displaces; one lighter than that is a buoy, at any height.
+    volume : m3, of water that it displaces; one lighter than that is a buoy, at any height: it does not stop at the surface
+        (`mbdfmi moorings` tells where it would be out of the water).
     """
 
     mass: NotNegative = 0.0
     volume: NotNegative = 0.0
+
+    @model_validator(mode="after")
+    def _check_given(self):
+        if not self.model_fields_set:
+            raise ValueError("needs a mass (kg), a volume (m3), or both")
+        return self
 
 
 class LineSection(Part):
@@ -36,6 +43,8 @@ class LineSection(Part):
 
 
 def _sections(value):
+    if isinstance(value, (dict, LineSection)):
+        return [value]
     if not isinstance(value, (list, tuple)) or not value:
         raise ValueError(f"needs a list of tables, as in {SECTIONS}; found {show(value)}")
     return value

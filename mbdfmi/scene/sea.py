@@ -227,7 +227,7 @@ class HydrodynamicsOptions(Part):
     file : WAMIT's NAME.1, with NAME.3 beside it (also NAME.3.gz); a dataset of capytaine (.nc) or a file of BEMIO (.h5), which want
         pip install h5py; NEMOH's RadiationCoefficients.tec, with ExcitationForce.tec beside it. At 4 frequencies or more; an
         element or a motion is given at all of them, or, as zero, at none. WAMIT's files begin with the period in s. Its lines of period 0
-        (infinite frequency) in NAME.1 are read and not needed: without them added mass there follows from the rest. Those of period -1
+        (infinite frequency) in NAME.1 are read and not needed unless radiation = false: added mass there follows from the rest. Those of period -1
         (frequency 0) are passed over. Of NAME.3 the real and imaginary parts count: force is Re((re + i im) amplitude exp(+i omega t)) for
         an elevation amplitude cos(omega t) at the origin of the coefficients, as WAMIT has it: a positive phase leads. Headings are the way
         waves travel.
