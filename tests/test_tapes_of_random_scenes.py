@@ -110,6 +110,11 @@ def test_a_few_scenes(tmp_path):
     hold([3000, 3002], tmp_path, 1000)
 
 
+def test_beside_a_singular_position(tmp_path):
+    """A point on a prism of a spline, where the tape does not hold and strides of differences must be short."""
+    hold([3104], tmp_path, 100)
+
+
 @pytest.mark.long
 def test_a_hundred_scenes(tmp_path):
     hold(range(3100, 3200), tmp_path, 5000)

@@ -53,7 +53,6 @@ THOROUGH = {
     "radiation waves states": "hydrodynamics sea wave_loads",
     "resistance": "wave_loads",
     "natural": "natural_damping",
-    "consistency": "consistency",
     "coordinates": "loops torsion couplings",
     "inertia kinematics markers outputs": "outputs powers",
     "members": "members",

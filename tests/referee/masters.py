@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from mbdfmi.compiler.variables import dotted
 from mbdfmi.run.instance import SimulationError
 
 ABSURD = (math.nan, math.inf, -math.inf, 1e300)
@@ -60,6 +61,13 @@ def _steps_back(instance, before):
 
 def _settings(instance, before):
     """Parameters beyond reason, one at a time."""
+    scene = instance.model.scene
+    # less the water that it displaces; one of these may be lighter than that
+    lines = {
+        dotted(name, "mass")
+        for name, force in scene.force.items()
+        if force.kind == "catenary" and force.catenary.is_composite
+    }
     massive = {
         v.name.rpartition(".")[0] for v in _parameters(instance, ".mass") if instance.reals[v.index] > 0.0
     }
@@ -70,6 +78,9 @@ def _settings(instance, before):
             for value in (
                 values if not ending.startswith(".com") or v.name.rpartition(".")[0] in massive else ()
             ):
+                if value == -1.0 and v.name in lines:
+                    continue
+
                 kept = instance.reals[v.index]
                 instance.reals[v.index] = value
                 refused = _refuses(instance.prepare)
