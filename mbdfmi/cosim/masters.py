@@ -9,7 +9,6 @@ import numpy as np
 
 from .errors import Discarded
 from .rig import Port, Rig
-from .slave import WARNING
 
 
 class Stage:
@@ -72,7 +71,7 @@ class Held(Stage):
         calls than what goes from FMU to FMU and into the history.
         """
         rig, sets = self.rig, self._sets
-        calls = [(port, *port.slave.stepping(H), port.get_all) for port in self.ports]
+        calls = rig.stepping(self.ports, H)
         renew, reached, rows, row = rig.renewing(), history.reached, history.rows, history.row
         done = 0
 
@@ -82,17 +81,7 @@ class Held(Stage):
                     if status := set_now():
                         rig.time = time
                         port.check(status, "setting its inputs")
-                for port, start, do, refused, get in calls:
-                    start.value = time
-                    if (status := do()) > WARNING:
-                        rig.time = time
-                        try:
-                            refused(status, time, H)
-                        except Discarded as part:
-                            port.partly(part, time + H)
-                    if status := get():
-                        rig.time = time
-                        port.check(status, "reading its outputs")
+                rig.do(calls, time, H)
                 renew()
                 reached.append(end)
                 rows += row

@@ -12,10 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .errors import Discarded
 from .history import History
 from .rig import Port, Rig
-from .slave import WARNING
 
 
 class Plain:
@@ -44,7 +42,7 @@ class Plain:
                 sets.append((port, port.setting(address, max(1, order))))
                 first += sum(map(len, row))
 
-            steps = [(port, *port.slave.stepping(H), port.get_all) for port in ports]
+            steps = rig.stepping(ports, H)
             self._calls.append((matrix, told, ends, sets, steps))
             for port in ports:
                 reached[port.columns] = 1.0
@@ -100,17 +98,7 @@ class Plain:
                                 if status := call():
                                     rig.time = time
                                     port.check(status, "setting its inputs")
-                    for port, start, do, refused, get in steps:
-                        start.value = time
-                        if (status := do()) > WARNING:
-                            rig.time = time
-                            try:
-                                refused(status, time, H)
-                            except Discarded as part:
-                                port.partly(part, time + H)
-                        if status := get():
-                            rig.time = time
-                            port.check(status, "reading its outputs")
+                    rig.do(steps, time, H)
 
                 reached.append(end)
                 rows += row

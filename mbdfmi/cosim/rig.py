@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from .fmi2 import Slave2
 from .fmi3 import Slave3
 from .members import Member
 from .network import Feed, Network, start_values
-from .slave import Channel, Slave
+from .slave import WARNING, Channel, Slave
 
 SUBSTEPS = 1000
 """Parts that an FMU may take a step in."""
@@ -319,6 +319,24 @@ class Rig:
         self.exchange()
         self._shifted = bool(np.any(self.net.b))
         self.renew()
+
+    def stepping(self, ports: Iterable[Port], H: float) -> list[tuple]:
+        """Calls of FMUs for steps of H (s), for `do`."""
+        return [(port, *port.slave.stepping(H), port.get_all) for port in ports]
+
+    def do(self, calls: list[tuple], time: float, H: float):
+        """Steps of H (s) from a time (s) with their outputs read, by no more than the calls. Raises CouplingError, Ended."""
+        for port, start, do, refused, get in calls:
+            start.value = time
+            if (status := do()) > WARNING:
+                self.time = time
+                try:
+                    refused(status, time, H)
+                except Discarded as part:
+                    port.partly(part, time + H)
+            if status := get():
+                self.time = time
+                port.check(status, "reading its outputs")
 
     def close(self, well: bool):
         """Ends all instances."""
