@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from ..kernels import layout, outputs
-from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.motion.inputs import N_DERIVATIVE
 from ..kernels.views import DataView, ModelView
 from ..scene import Problem, SceneData, SceneError
 from ..steppers import STEPPERS, needs_jacobian

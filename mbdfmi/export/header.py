@@ -12,7 +12,7 @@ from ..compiler.model import SEALED_SIZES
 from ..compiler.variables import KINDS, TABLE
 from ..kernels import entry, layout, loops, prepare, signatures, status, views
 from ..kernels.language import APART
-from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.motion.inputs import N_DERIVATIVE
 from ..native.library import TABLE as TABLE_NAME
 from . import resource, tape
 from .description import LOG_CATEGORIES

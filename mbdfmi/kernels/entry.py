@@ -5,7 +5,7 @@
 
 import math
 
-from . import exchange, forces, joints, notes, outputs
+from . import exchange, forces, joints, notes, output_values, outputs
 from .dynamics import assembly, ends, forward, inertia, projection, rates, reactions, rows
 from .forces import radiation, struts
 from .joints import virtual
@@ -106,7 +106,7 @@ def compute_outputs(m, d, y):
     if (needs & outputs.NEED_REACTIONS) != 0 and failure == OK:
         reactions.find_joint_wrenches(m, d)
 
-    outputs.write_outputs(m, d, y)
+    output_values.write_outputs(m, d, y)
 
     if follows:
         for k in range(m.n_x):

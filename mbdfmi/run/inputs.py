@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..compiler.variables import hint, meant
-from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.motion.inputs import N_DERIVATIVE
 from ..scene import variable_name
 
 # points of a part (0 to 1) that a polynomial is put through, and where it is compared

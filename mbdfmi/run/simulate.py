@@ -6,7 +6,7 @@ import numpy as np
 
 from ..compiler.model import Model
 from ..kernels import entry
-from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.motion.inputs import N_DERIVATIVE
 from .inputs import Inputs, numbers
 from .instance import Entries, Instance
 from .results import Results

@@ -22,6 +22,7 @@ MOTION = {
     "forces.composite_lines": "the same part of each line lies on the bed",
     "forces.composite_pulls": "the same part of each line lies on the bed",
     "forces.composite_shapes": "the same part of each line lies on the bed",
+    "forces.line_ends": "the same part of each line lies on the bed",
     "forces.line_pieces": "the same part of each line lies on the bed",
     "forces.members": "the same parts of members are in the water",
     "forces.stops": "coordinates are on the same sides of their stops",

@@ -5,7 +5,7 @@ import struct
 import numpy as np
 
 from ..compiler.model import Model
-from ..kernels.motion.commands import N_DERIVATIVE
+from ..kernels.motion.inputs import N_DERIVATIVE
 from ..run.instance import Instance
 from ..run.states import States
 from .runs import Run

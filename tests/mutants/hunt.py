@@ -36,7 +36,7 @@ and whole files of tests against a mutant."""
 
 THOROUGH = {
     "assembly given holding notes redundancy start_positions start_velocities start": "starts loops loops_not_exact",
-    "commands courses drives extrapolation": "commands commanded_loops drivers turns",
+    "commands courses doubts drives extrapolation inputs": "commands commanded_loops drivers turns",
     "massless virtual forward": "massless light_parts",
     "articulated constraints embedding multipliers rows": "loops massless",
     "jacobian linear": "jacobian",
@@ -49,12 +49,12 @@ THOROUGH = {
     "gravity_gradient": "gravity_gradient",
     "rotations": "rotations",
     "catenaries": "catenaries",
-    "composite_lines composite_pulls composite_shapes line_pieces": "composite_lines",
+    "composite_lines composite_pulls composite_shapes line_ends line_pieces": "composite_lines",
     "radiation waves states": "hydrodynamics sea wave_loads",
     "resistance": "wave_loads",
     "natural": "natural_damping",
     "coordinates": "loops torsion couplings",
-    "inertia kinematics markers outputs": "outputs powers",
+    "inertia kinematics markers output_values outputs": "outputs powers",
     "members": "members",
     "wind_rotors": "wind_rotors gusts",
     "rotors": "rotors",

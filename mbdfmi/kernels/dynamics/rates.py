@@ -3,7 +3,7 @@
 from .. import forces, joints
 from ..end_frames import touching
 from ..language import apart, inlined
-from ..motion import commands, coordinates, drives, kinematics
+from ..motion import coordinates, drives, inputs, kinematics
 from ..signatures import DATA, MODEL, float64, int64
 from . import forward, inertia
 
@@ -18,7 +18,7 @@ def set_time(m, d, s):
             d.input[k] = d.u_buffer[k]
     else:
         for k in range(m.n_u):
-            d.input[k] = commands.polynomial(m, d, k, s)
+            d.input[k] = inputs.polynomial(m, d, k, s)
 
 
 @apart(int64(MODEL, DATA))

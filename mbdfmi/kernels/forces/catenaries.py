@@ -7,12 +7,12 @@ near which Newton's method begins. So no result depends on what was evaluated be
 """
 
 import math
-from typing import NamedTuple
 
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64
+from . import line_ends
 
 # gaps of the ends by the line's length: at which they are met, and from which on a step that does not lessen them is the last
 MET = 1e-13
@@ -26,18 +26,6 @@ MOST_HALVINGS = 50
 
 # part of itself that H, and V on the bed, keep in a step
 KEPT = 0.1
-
-
-class Line(NamedTuple):
-    """A line now: its upper end's marker and the other one, the horizontal direction from the other to it, (x, z) m, pull (H, V) N."""
-
-    upper: int
-    lower: int
-    along: tuple
-    x: float
-    z: float
-    H: float
-    V: float
 
 
 @inlined
@@ -228,17 +216,16 @@ def line(m, d, k):
     """Line k now."""
     lower = m.line_from[k]
     upper = m.line_to[k]
-    span = al.sub(markers.position(m, d, upper), markers.position(m, d, lower))
+    span = line_ends.from_lower(m, d, lower, upper)
 
     if m.line_bed[k] == 0 and span[2] < 0.0:
         lower = m.line_to[k]
         upper = m.line_from[k]
         span = al.neg(span)
 
-    x = math.sqrt(span[0] * span[0] + span[1] * span[1])
-    share = 1.0 / x if x > 0.0 else 0.0
+    x, along = line_ends.across(span)
     H, V = pull(m, d, k, x, span[2])
-    return Line(upper, lower, (share * span[0], share * span[1], 0.0), x, span[2], H, V)
+    return line_ends.Line(lower, upper, along, x, span[2], H, V)
 
 
 @inlined
@@ -252,9 +239,8 @@ def lower_pull(m, k, V):
 def forces_of(m, d, k):
     """(line, force on the upper end, on the lower end), N, inertial axes."""
     now = line(m, d, k)
-    pulled = al.scale(now.H, now.along)
-    up = lower_pull(m, k, now.V)
-    return now, (-pulled[0], -pulled[1], -now.V), (pulled[0], pulled[1], up)
+    on_upper, on_lower = line_ends.forces(now, now.H, lower_pull(m, k, now.V))
+    return now, on_upper, on_lower
 
 
 @inlined
@@ -262,10 +248,7 @@ def add(m, d):
     """Their forces onto the bodies."""
     for k in range(m.n_line):
         now, on_upper, on_lower = forces_of(m, d, k)
-        r = markers.position(m, d, now.upper)
-        markers.add_wrench(m, d, m.marker_body[now.upper], r, al.ZERO3, on_upper)
-        r = markers.position(m, d, now.lower)
-        markers.add_wrench(m, d, m.marker_body[now.lower], r, al.ZERO3, on_lower)
+        line_ends.add(m, d, now, on_upper, on_lower)
 
 
 @inlined
@@ -317,8 +300,7 @@ def energy(m, d):
 def power_of(m, d, k):
     """W, of line k on the bodies."""
     now, on_upper, on_lower = forces_of(m, d, k)
-    total = al.dot(on_upper, markers.velocity(m, d, now.upper))
-    return total + al.dot(on_lower, markers.velocity(m, d, now.lower))
+    return line_ends.power(m, d, now, on_upper, on_lower)
 
 
 @inlined

@@ -5,11 +5,11 @@ function of where the ends are, and so gives back, as the pull falls, some of wh
 """
 
 import math
-from typing import NamedTuple
 
 from ..language import inlined
 from ..math import algebra as al
 from ..motion import markers
+from . import line_ends
 from .composite_pulls import pull
 from .composite_shapes import (
     WEIGHT,
@@ -23,16 +23,6 @@ from .composite_shapes import (
     weight,
 )
 from .line_pieces import complement_of, piece
-
-
-class Now(NamedTuple):
-    """A line now: the horizontal direction from its first end to its second, (x, z) m, pull (H, V) N."""
-
-    along: tuple
-    x: float
-    z: float
-    H: float
-    V: float
 
 
 @inlined
@@ -54,12 +44,13 @@ def is_line(m, k):
 
 @inlined
 def line(m, d, k):
-    """Line k now."""
-    span = al.sub(markers.position(m, d, m.composite_to[k]), markers.position(m, d, m.composite_from[k]))
-    x = math.sqrt(span[0] * span[0] + span[1] * span[1])
-    share = 1.0 / x if x > 0.0 else 0.0
+    """Line k now; its first end is the lower one, wherever that is."""
+    first = m.composite_from[k]
+    second = m.composite_to[k]
+    span = line_ends.from_lower(m, d, first, second)
+    x, along = line_ends.across(span)
     H, V = pull(m, d, k, x, span[2])
-    return Now((share * span[0], share * span[1], 0.0), x, span[2], H, V)
+    return line_ends.Line(first, second, along, x, span[2], H, V)
 
 
 @inlined
@@ -77,22 +68,19 @@ def anchor_pull(m, d, k, H, V):
 
 @inlined
 def forces_of(m, d, k):
-    """(line, force on the first end, on the second end), N, inertial axes."""
+    """(line, force on the second end, on the first end), N, inertial axes."""
     now = line(m, d, k)
     out, up = anchor_pull(m, d, k, now.H, now.V)
-    on_first = (out * now.along[0], out * now.along[1], up)
-    return now, on_first, (-now.H * now.along[0], -now.H * now.along[1], -now.V)
+    on_second, on_first = line_ends.forces(now, out, up)
+    return now, on_second, on_first
 
 
 @inlined
 def add(m, d):
     """Their forces onto the bodies."""
     for k in range(m.n_composite):
-        now, on_first, on_second = forces_of(m, d, k)
-        r = markers.position(m, d, m.composite_from[k])
-        markers.add_wrench(m, d, m.marker_body[m.composite_from[k]], r, al.ZERO3, on_first)
-        r = markers.position(m, d, m.composite_to[k])
-        markers.add_wrench(m, d, m.marker_body[m.composite_to[k]], r, al.ZERO3, on_second)
+        now, on_second, on_first = forces_of(m, d, k)
+        line_ends.add(m, d, now, on_second, on_first)
 
 
 @inlined
@@ -144,9 +132,8 @@ def energy(m, d):
 @inlined
 def power_of(m, d, k):
     """W, of line k on the bodies."""
-    now, on_first, on_second = forces_of(m, d, k)
-    total = al.dot(on_second, markers.velocity(m, d, m.composite_to[k]))
-    return total + al.dot(on_first, markers.velocity(m, d, m.composite_from[k]))
+    now, on_second, on_first = forces_of(m, d, k)
+    return line_ends.power(m, d, now, on_second, on_first)
 
 
 @inlined
@@ -213,7 +200,7 @@ def dissipated(m, d):
 @inlined
 def force_on(m, d, k, end):
     """Force (N, inertial axes) of line k on its first (0) or second (1) end."""
-    now, on_first, on_second = forces_of(m, d, k)
+    now, on_second, on_first = forces_of(m, d, k)
     return on_second if end == 1 else on_first
 
 

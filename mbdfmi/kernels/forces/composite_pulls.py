@@ -34,43 +34,6 @@ SLACK = 1e-12
 
 
 @kernel
-def solve_on_bed(m, d, k, x):
-    """(H, V) of line k whose second end is as high as the bed, or lower, and x >= 0 (m) from the first: x rises with H."""
-    least = least_pull(d, k)
-    met = MET * d.composite_known[20 * k + LENGTH]
-    low = 0.0
-    high = math.inf
-    H = least
-    V = 0.0
-
-    for step in range(2 * MOST_STEPS):
-        V, by_H = lowest(m, d, k, H)
-        x1, z1, x_H, x_V, z_H, z_V = distances(m, d, k, H, V)
-        gap = x1 - x
-
-        if abs(gap) <= met or (H <= least and gap > 0.0):
-            break
-
-        if gap > 0.0:
-            high = H
-        else:
-            low = H
-
-        slope = x_H + x_V * by_H
-        tried = H - gap / slope if slope > 0.0 else H
-
-        if not low < tried < high or step > MOST_STEPS:
-            tried = 0.5 * (low + high) if high < math.inf else 10.0 * H
-
-        if tried == H:
-            break
-
-        H = tried
-
-    return H, V
-
-
-@kernel
 def lift(m, d, k, z, H, V):
     """V of line k whose second end is z (m) over its first, z > 0 on a bed, pulled with H; V : a guess."""
     met = 0.1 * MET * d.composite_known[20 * k + LENGTH]
@@ -108,14 +71,24 @@ def lift(m, d, k, z, H, V):
 
 @kernel
 def search(m, d, k, x, z, H, V):
-    """(H, V) as of `solve`, slowly, and whatever Newton's method does: between two that come closer."""
+    """(H, V) as of `solve`, slowly, and whatever Newton's method does: x rises with H, between two that come closer.
+
+    z <= 0 on a bed: the second end is as high as that.
+    """
+    on_bed = m.composite_bed[k] == 1 and z <= 0.0
     least = least_pull(d, k)
     met = MET * d.composite_known[20 * k + LENGTH]
     low = 0.0
     high = math.inf
 
     for step in range(2 * MOST_STEPS):
-        V = lift(m, d, k, z, H, V)
+        by_H = 0.0
+
+        if on_bed:
+            V, by_H = lowest(m, d, k, H)
+        else:
+            V = lift(m, d, k, z, H, V)
+
         x1, z1, x_H, x_V, z_H, z_V = distances(m, d, k, H, V)
         gap = x1 - x
 
@@ -127,7 +100,7 @@ def search(m, d, k, x, z, H, V):
         else:
             low = H
 
-        slope = x_H - x_V * z_H / z_V if z_V > 0.0 else 0.0
+        slope = x_H + x_V * by_H if on_bed else x_H - x_V * z_H / z_V if z_V > 0.0 else 0.0
         tried = H - gap / slope if slope > 0.0 else H
 
         if not low < tried < high or step > MOST_STEPS:
@@ -305,7 +278,7 @@ def pull(m, d, k, x, z):
         H = p[at + 3]
         V = p[at + 4]
     elif m.composite_bed[k] == 1 and z <= 0.0:
-        H, V = solve_on_bed(m, d, k, x)
+        H, V = search(m, d, k, x, z, least_pull(d, k), 0.0)
     else:
         H, V = nearby(m, d, k, x, z)
         H, V = solve(m, d, k, x, z, H, V)

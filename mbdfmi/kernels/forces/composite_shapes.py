@@ -23,6 +23,17 @@ LEAST = 1e-14
 LENGTH, WEIGHT, SIZE, LIFTS = 16, 17, 18, 19
 
 
+class Distances(NamedTuple):
+    """Distances (m) of the ends of a line or of part of it, and their derivatives by the pull (H, V), m/N."""
+
+    x: float
+    z: float
+    x_H: float
+    x_V: float
+    z_H: float
+    z_V: float
+
+
 class Level(NamedTuple):
     """A level (N), and its derivatives by H and V."""
 
@@ -292,6 +303,40 @@ def pull_below(m, k, i, now):
     return max(now.pull - m.composite_friction[k] * weight(m, i) * now.slid, 0.0)
 
 
+@inlined
+def with_hung(reached, w, L, EA, H, top, bottom, level):
+    """Distances and those of what hangs, or is lifted, from a level: L m of it, with `top` and `bottom` (N) down at its ends."""
+    if not L > 0.0:
+        return reached
+
+    now = piece(w, L, EA, H, top, bottom)
+    return Distances(
+        reached.x + now.x,
+        reached.z + now.z,
+        reached.x_H + (now.x_h + now.x_v * level.by_H),
+        reached.x_V + now.x_v * level.by_V,
+        reached.z_H + (now.x_v + now.z_v * level.by_H),
+        reached.z_V + now.z_v * level.by_V,
+    )
+
+
+@inlined
+def with_lying(reached, m, k, i, now):
+    """Distances and those of what of section i lies."""
+    if not now.flat > 0.0:
+        return reached
+
+    EA = m.section_stiffness[i]
+    return Distances(
+        reached.x + (now.flat + 0.5 * (now.pull + pull_below(m, k, i, now)) * now.slid / EA),
+        reached.z,
+        reached.x_H + now.slid / EA,
+        reached.x_V + m.composite_friction[k] * now.slid / EA,
+        reached.z_H,
+        reached.z_V,
+    )
+
+
 @kernel
 def distances(m, d, k, H, V):
     """(x, z, dx/dH, dx/dV, dz/dH, dz/dV) of the ends of line k, weighed, pulled with H >= 0, V."""
@@ -300,40 +345,15 @@ def distances(m, d, k, H, V):
     if lies(m, d, k):
         find_levels(m, d, k, H)
 
-    x = 0.0
-    z = 0.0
-    x_H = 0.0
-    x_V = 0.0
-    z_H = 0.0
-    z_V = 0.0
+    reached = Distances(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     for i in range(m.composite_section[k], last_section(m, k) + 1):
         w = weight(m, i)
         EA = m.section_stiffness[i]
         floor, cap = bounds(m, d, k, i, V)
         now = parts(m, d, k, i, floor.at, cap.at, H, V)
+        reached = with_hung(reached, w, now.up, EA, H, now.up_top, now.up_bottom, floor)
+        reached = with_lying(reached, m, k, i, now)
+        reached = with_hung(reached, w, now.down, EA, H, now.down_top, now.down_bottom, cap)
 
-        if now.up > 0.0:
-            up = piece(w, now.up, EA, H, now.up_top, now.up_bottom)
-            x += up.x
-            z += up.z
-            x_H += up.x_h + up.x_v * floor.by_H
-            x_V += up.x_v * floor.by_V
-            z_H += up.x_v + up.z_v * floor.by_H
-            z_V += up.z_v * floor.by_V
-
-        if now.flat > 0.0:
-            x += now.flat + 0.5 * (now.pull + pull_below(m, k, i, now)) * now.slid / EA
-            x_H += now.slid / EA
-            x_V += m.composite_friction[k] * now.slid / EA
-
-        if now.down > 0.0:
-            down = piece(w, now.down, EA, H, now.down_top, now.down_bottom)
-            x += down.x
-            z += down.z
-            x_H += down.x_h + down.x_v * cap.by_H
-            x_V += down.x_v * cap.by_V
-            z_H += down.x_v + down.z_v * cap.by_H
-            z_V += down.z_v * cap.by_V
-
-    return x, z, x_H, x_V, z_H, z_V
+    return reached

@@ -22,18 +22,12 @@ import math
 import numpy as np
 from ..language import inlined, kernel
 from ..math import algebra as al
-from ..status import CONTRADICTION, status, tell
-from . import extrapolation, rotations
-from . import courses
-
-N_DERIVATIVE = 6
+from . import courses, extrapolation, rotations
+from .doubts import doubt
+from .inputs import N_DERIVATIVE, derivative, highest, polynomial, told
 
 # rad, how near a command that jumped by whole turns must be to where the last ones led
 SAME_ANGLE = 1.0
-
-# part of the largest of the speeds by which the motion may differ from them, and for how many steps it may not
-DOUBT = 0.1
-DOUBTFUL_STEPS = 3.0
 
 
 @kernel
@@ -55,19 +49,6 @@ def forget(m, d):
 
     for k in range(2 * m.n_drive):
         d.drive_doubt[k] = 0.0
-
-
-@inlined
-def told(m, d, c, what):
-    """What inputs command of a channel: its position (0), speed (1) or acceleration (2); 0 where they do not."""
-    k = m.command_u[3 * c + what]
-    return d.u_buffer[k] if k >= 0 else 0.0
-
-
-@inlined
-def highest(m, c):
-    """The highest derivative of a channel that inputs tell."""
-    return 2 if m.command_u[3 * c + 2] >= 0 else (1 if m.command_u[3 * c + 1] >= 0 else 0)
 
 
 @inlined
@@ -378,74 +359,6 @@ def anything_new(m, d):
 
 
 @inlined
-def doubt(m, d, k):
-    """Says so when speeds (accelerations) that are told do not lead from command to command of the position (speed).
-
-    The change over a step lies between its ends' speeds, or hardly beyond; a command may jump, but not again and again.
-    """
-    c = m.drive_command[k]
-    groups = 2 if m.drive_commands[k] > 3 and courses.has_omega(m, k) else 1
-    h = d.command_steps[0]
-    wrong = False
-
-    for group in range(groups):
-        first = c + 3 * group
-        n = min(3, m.drive_commands[k] - 3 * group)
-        turn = al.ZERO3
-
-        if group == 1:
-            last = al.E_conjugate(al.E_at(d.attitude_past, 0))
-            turn = rotations.rotation_vector(al.E_product(al.E_at(d.attitude_base, 0), last))
-
-        for level in range(1, highest(m, first) + 1):
-            missed = 0.0
-            size = 0.0
-            rounding = 0.0
-
-            for i in range(n):
-                x = told(m, d, first + i, level)
-                x_before = (
-                    d.command_past[4 * (first + i)]
-                    if level == highest(m, first)
-                    else d.command_before[2 * (first + i) + 1]
-                )
-                below = told(m, d, first + i, level - 1)
-                change = below - d.command_before[2 * (first + i) + level - 1]
-
-                if group == 1 and level == 1:
-                    change = turn[i]
-                    below = 1.0
-
-                beyond = max(0.0, abs(change / h - 0.5 * (x + x_before)) - 0.5 * abs(x - x_before))
-                missed += beyond * beyond
-                size = max(size, max(x * x, x_before * x_before))
-                rounding = max(rounding, 1e-9 * abs(below) / h)
-
-            wrong = wrong or math.sqrt(missed) > DOUBT * math.sqrt(size) + rounding
-
-    if d.drive_doubt[2 * k + 1] != 0.0:
-        return
-
-    d.drive_doubt[2 * k] = d.drive_doubt[2 * k] + 1.0 if wrong else 0.0
-
-    if d.drive_doubt[2 * k] >= DOUBTFUL_STEPS:
-        d.drive_doubt[2 * k + 1] = 1.0
-        tell(d, status(CONTRADICTION, place_of(m, k)), 0.0, 0.0)
-
-
-@inlined
-def place_of(m, k):
-    """Whom a status of drive k is about: the joint's node, or the constraint of a joint that closes a loop."""
-    place = m.drive_body[k]
-
-    for row in range(m.n_row if place < 0 else 0):
-        if m.row_drive[row] == k:
-            place = m.n_body + m.row_constraint[row]
-
-    return place
-
-
-@inlined
 def remember(m, d, c, x, H):
     """The present value x of the highest that a channel is told, for the steps to come after this one of H (s)."""
     k = 4 * c
@@ -579,22 +492,3 @@ def carry_turn(m, d, k, H):
 
         if m.command_u[3 * (c + i) + 2] >= 0:
             d.u_buffer[m.command_u[3 * (c + i) + 2]] = alpha[i]
-
-
-@inlined
-def derivative(m, d, k, row, s):
-    """Derivative `row` of input k at s (s) of the communication step, likewise."""
-    value = 0.0
-    for i in range(N_DERIVATIVE - 1, row - 1, -1):
-        value = d.u_buffer[i * m.n_u + k] + value * s / (i - row + 1)
-    return value
-
-
-@inlined
-def polynomial(m, d, k, s):
-    """Input k at s (s) of the communication step, by its value and derivatives at the start."""
-    n = m.n_u
-    value = d.u_buffer[4 * n + k] + 0.2 * s * d.u_buffer[5 * n + k]
-    value = d.u_buffer[3 * n + k] + 0.25 * s * value
-    value = d.u_buffer[2 * n + k] + s / 3.0 * value
-    return d.u_buffer[k] + s * (d.u_buffer[n + k] + 0.5 * s * value)

@@ -14,7 +14,7 @@ from ..dynamics.ends import see_ends
 from ..dynamics.projection import keep_x, project, restore_x
 from ..dynamics.rates import set_time
 from ..language import inlined, kernel
-from ..motion import commands
+from ..motion import commands, inputs
 from ..status import CHANGE_METHOD, CHANGE_PAIR, NOT_STIFF, OK, STIFF, status, tell
 from . import choice, control, early, fixed, memory, noise, pairs, radau, rkc
 
@@ -44,7 +44,7 @@ def misfit(m, d, k, H, reach):
     near = 1.0
     far = 1.0
 
-    for row in range(1, commands.N_DERIVATIVE):
+    for row in range(1, inputs.N_DERIVATIVE):
         u = d.u_buffer[row * n + k]
         near *= H / row
         far *= reach / row
@@ -68,7 +68,7 @@ def inputs_go_on(m, d, H):
     for k in range(n):
         varied = False
 
-        for row in range(1, commands.N_DERIVATIVE):
+        for row in range(1, inputs.N_DERIVATIVE):
             constant = constant and d.u_buffer[row * n + k] == 0.0
             varied = varied or d.u_buffer[row * n + k] != 0.0 or d.u_course[row * n + k] != 0.0
 
