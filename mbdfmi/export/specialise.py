@@ -101,9 +101,13 @@ def own(model) -> Own:
 def _worth(instance):
     """What is traced for a scene, in words, and by what."""
     found = {"x' = f": trace_rates}
-    found |= {"the projection": trace_projection} if instance.m.n_row else {}
+    found |= {"the projection": _trace_projection} if instance.m.n_row else {}
     found |= {"outputs": trace_outputs} if instance.model.n_y else {}
     return found | ({"the Jacobian": trace_jacobian} if instance.m.n_jacobian else {})
+
+
+def _trace_projection(instance):
+    return trace_projection(instance, MOST_OPERATIONS)
 
 
 def _traced(trace, instance):

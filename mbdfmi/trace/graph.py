@@ -74,6 +74,7 @@ _VALUES: dict[str, Callable] = {
     "select": lambda c, a, b: a if c else b,
     "not": operator.not_,
     "isfinite": math.isfinite,
+    "carried": lambda a: a,
     **COMPARISONS,
 }
 
@@ -129,6 +130,10 @@ class Graph:
     def leaf(self, name, value, kind=REAL):
         """The node of something that is given; `name` tells it from others."""
         return self.node("leaf", (), name, kind, value)
+
+    def carried(self, name, begin):
+        """The node of what a pass through a loop leaves to the next. begin : the node before the first."""
+        return self.node("carried", (begin,), name)
 
     def known(self, k):
         """The value of a node that is a number, else None."""

@@ -1,21 +1,34 @@
 """The projection of one scene onto its constraints, traced: what stands for `projection.project`.
 
 Newton's method ends by values. Nearly always it does so at once, or after one or two corrections, so these
-ways are traced, and what they have in common is done once; a third correction, and what guards do not allow,
-is the kernel's.
+ways are traced, and what they have in common is done once. Where more are needed, the same statements begin
+anew where the first correction has led: a loop, which forgets nothing but that correction. What guards do
+not allow is the kernel's; until positions are found nothing is written, so it begins where this has begun.
 """
 
+import math
 from typing import NamedTuple
 
 from ..kernels.dynamics import projection
 from .c99 import C99
 from .graph import Untraceable
 from .once import Once, stillness
-from .places import GIVEN_WORK, places_of
+from .places import GIVEN_WORK, places, places_of
 from .plain import plain_function
-from .record import Guard, Tracer
-from .specialise import PROJECTIONS, READING, Traced, Writing, held, kept, prepared, tracer_of
+from .record import TOLD, Guard, Tracer
+from .specialise import (
+    PROJECTIONS,
+    READING,
+    Traced,
+    Writing,
+    held,
+    indented,
+    kept,
+    prepared,
+    tracer_of,
+)
 from .sufficient import sufficient
+from .symbols import Symbol
 from .write import Body
 
 NAME = "traced_projection"
@@ -23,7 +36,13 @@ CLOSING = "dynamics.projection.close_gaps"
 LIMIT = "evaluation_limit"
 
 MOST_CORRECTIONS = 2
-"""Corrections of positions that are traced: steps of fixed length take one at most, nearly all others two."""
+"""Corrections of positions in one pass, where that is not too long: steps of fixed length take one at most,
+nearly all others two."""
+
+MOST_PASSES = 10
+"""How often they are gone through: far from where the kernel gives up for gaps that do not shrink."""
+
+UNIT_E, MOVE = TOLD
 
 
 class _Way(NamedTuple):
@@ -33,6 +52,71 @@ class _Way(NamedTuple):
     guards: dict[int, Guard]
     gaps: list[int]
     stores: list[tuple[str, int]]
+
+
+class _Passes:
+    """What one pass leaves to the next: places that the first correction changes, as (buffer, place).
+
+    begin, leave : nodes of what stands there before the first pass, and after the first correction of one.
+    carried : nodes of what a pass finds there.
+    """
+
+    def __init__(self, tracer: Tracer, limit: int):
+        self.tracer = tracer
+        self.limit = ("work", limit)
+        self.places: list[tuple[str, int]] = []
+        self.begin: list[int] = []
+        self.leave: list[int] = []
+        self.carried: list[int] = []
+        self._is_first = True
+
+    def look(self):
+        """Finds the places. Behind it the kernel is to be run anew."""
+        before: dict[int, int] = {}
+
+        def begun():
+            before.update(self.tracer.written("state"))
+
+        def moved():
+            if not self.places:
+                now = self.tracer.written("state").items()
+                self.places = [*(("state", j) for j, k in now if before.get(j) != k), self.limit]
+
+        self.tracer.after = {UNIT_E: begun, MOVE: moved}
+
+    def follow(self):
+        """From now on the kernel finds there what the pass before has left."""
+        self.tracer.after = {UNIT_E: self._begun, MOVE: self._moved}
+
+    def next_way(self):
+        """Another way through the kernel begins."""
+        self._is_first = True
+
+    def _begun(self):
+        tracer = self.tracer
+        self.begin = [tracer.node_at(*place) for place in self.places]
+        self.carried = [tracer.graph.carried(place, k) for place, k in zip(self.places, self.begin)]
+
+        for (buffer, j), k in zip(self.places, self.carried):
+            tracer.buffers[buffer].now[j] = Symbol(tracer, k)
+
+    def _moved(self):
+        if self._is_first:
+            self.leave = [self.tracer.node_at(*place) for place in self.places]
+
+        self._is_first = False
+
+    def names(self) -> dict[int, str]:
+        """Node of what is carried -> its name in C."""
+        return {k: f"x{n}" for n, k in enumerate(self.carried, 1)}
+
+    def next_pass(self, body: Body) -> list[str]:
+        """Statements at the end of a pass."""
+        names = self.names().values()
+        lines = body.more(self.leave)
+        # all are found before one is changed
+        lines += [f"const double next_{name} = {body[k]};" for name, k in zip(names, self.leave)]
+        return [*lines, *(f"{name} = next_{name};" for name in names)]
 
 
 class _Closing:
@@ -63,34 +147,47 @@ class _Closing:
         return True if a in self.gaps else None
 
 
-def trace_projection(instance) -> Traced:
-    """`projection.project` of the scene of an instance, traced at its state. Raises Untraceable."""
+def trace_projection(instance, most: float = math.inf) -> Traced:
+    """`projection.project` of the scene of an instance, traced at its state. Raises Untraceable.
+
+    most : operations of a pass that takes more than one correction.
+    """
+    found = _trace(instance, MOST_CORRECTIONS)
+    return found if found.operations <= most else _trace(instance, 1)
+
+
+def _trace(instance, most_corrections):
     # accelerations come along with the factor, of forces that nobody has found here
     tracer = tracer_of(instance, None)
     known = prepared(tracer, instance.model)
     beginning = dict(tracer.guards)
     writing = Writing(tracer, instance, known, ())
-    ways = []
+    passes = _Passes(tracer, places(instance.model, LIMIT).start)
 
-    for corrections in range(MOST_CORRECTIONS + 1):
+    def way(corrections):
         state = {j: tracer.buffers["state"].initial[j] for j in known}
         tracer.begin_anew()
         tracer.buffers["state"].now |= state
         tracer.guards |= beginning
+        passes.next_way()
         closing = tracer.told = _Closing(tracer, corrections)
         status = tracer.run("dynamics.projection", "project")
         stores = writing.written(known, (*(name for name in kept(instance) if name != "x_rate"), LIMIT))
-        ways.append(_Way(status, tracer.guards, closing.gaps, stores))
+        return _Way(status, tracer.guards, closing.gaps, stores)
 
-    tracer.told = None
+    passes.look()
+    way(1)
+    passes.follow()
+    ways = [way(corrections) for corrections in range(most_corrections + 1)]
+    tracer.told, tracer.after = None, {}
 
     if any(way.status or len(way.gaps) != k + 1 for k, way in enumerate(ways)):
         raise Untraceable("the projection ends otherwise")
 
-    return _written_out(writing, tracer, ways)
+    return _written_out(writing, tracer, ways, passes)
 
 
-def _written_out(writing, tracer, ways):
+def _written_out(writing, tracer, ways, passes):
     graph = tracer.graph
     ends = [_is_closed(tracer, graph, *way.gaps) for way in ways]
     is_still = stillness(writing.model)
@@ -101,7 +198,7 @@ def _written_out(writing, tracer, ways):
     ]
     once = Once(
         graph,
-        [k for each in stored for k in each],
+        [k for each in [*stored, passes.begin, passes.leave] for k in each],
         [guard for way in ways for guard in way.guards.values()],
         is_still,
         READING,
@@ -111,12 +208,14 @@ def _written_out(writing, tracer, ways):
     moving = {guard.node for guard in once.moving}
     ways = [way._replace(guards={k: g for k, g in way.guards.items() if k in moving}) for way in ways]
     wanted = [[*each, *way.guards] for each, way in zip(stored, ways)]
-    over = writing.first(
-        [k for each in wanted for k in each], [store for way in ways for store in way.stores], once.texts
-    )
-    body = Body(graph, [], C99, READING, over, wanted, once.texts)
+    found = {**once.texts, **passes.names()}
+    all_wanted = [*(k for each in wanted for k in each), *passes.begin, *passes.leave]
+    over = writing.first(all_wanted, [store for way in ways for store in way.stores], once.texts)
+    body = Body(graph, passes.begin, C99, READING, over, (), found, all_wanted)
     counted = writing.left("generic_calls", PROJECTIONS)
-    lines = [*once.called(f"{NAME}_once", counted), *body.lines]
+    begin = [f"double {name} = {body[k]};" for name, k in zip(passes.names().values(), passes.begin)]
+    before = [*once.called(f"{NAME}_once", counted), *body.lines, *begin]
+    lines: list[str] = []
     done: set[int] = set()
 
     for n, (end, way) in enumerate(zip(ends, ways)):
@@ -130,14 +229,16 @@ def _written_out(writing, tracer, ways):
         block = [*branch.lines, *held(own, branch.text.__getitem__, "closes", counted)]
         block += [f"{place} = {branch.text[k]};" for place, k in way.stores]
         block.append("return 0;")
-        lines += [f"if ({body[end]}) {{", *(f"    {line}" if line else "" for line in block), "}", ""]
+        lines += [f"if ({body[end]}) {{", *indented(block), "}", ""]
 
-    lines += [counted, "return {kernel};"]
-    needed = graph.needed(everything)
+    lines += passes.next_pass(body)
+    loop = [f"for (int pass = 0; pass < {MOST_PASSES}; pass++) {{", *indented(lines), "}"]
+    lines = [*before, "", *loop, "", counted, "return {kernel};"]
+    needed = graph.needed(everything + passes.leave)
     _check(writing, [graph.nodes[k].about for k in needed if graph.nodes[k].op == "leaf"])
     kernel = plain_function(projection.project)
     kept = (once.lines(), once.count) if once.count else ((), 0)
-    operations = len(graph.needed([k for each in wanted for k in each], once.texts))
+    operations = len(graph.needed(all_wanted, once.texts))
     return Traced(kernel, NAME, body.calls, lines, operations, rests, graph, once=kept)
 
 

@@ -166,7 +166,7 @@ class Tracer:
     given : buffer ("reals", "state", "work", "u") -> places that are symbols; all others are numbers.
     zeros : likewise those that are taken for zero where they are, under a guard. exact : whether the graph
     keeps bits. told : of a node that a branch asks for, and where that is, which way it goes without a
-    guard, or None.
+    guard, or None. after : kernel of `TOLD` -> what is called when it has been run.
     """
 
     def __init__(
@@ -180,6 +180,7 @@ class Tracer:
         self.graph = Graph(exact)
         self.guards: dict[int, Guard] = {}
         self.told: Callable[[int, str], bool | None] | None = None
+        self.after: dict[str, Callable[[], None]] = {}
         self._paths: list[_Path] = []
         ints = m.ints_buffer.tolist()
         counts = dict(zip(COUNTS, ints))
@@ -344,6 +345,25 @@ def _both_sides(function):
     return call
 
 
+TOLD = ("dynamics.projection.unit_E", "dynamics.projection.move_by_change")
+"""Kernels of which a tracer tells when they have been run (`Tracer.after`)."""
+
+
+def _told(name):
+    def replace(function):
+        def call(m, d, *args):
+            result = function(m, d, *args)
+
+            if name in d.tracer.after:
+                d.tracer.after[name]()
+
+            return result
+
+        return call
+
+    return replace
+
+
 def _is_finite(function):
     """`rates.is_finite`, which sums zeros times numbers: a graph has no such."""
     return lambda d, n: MATH.isfinite(sum((d.x[k] for k in range(n)), 0.0))
@@ -397,6 +417,7 @@ def _largest(function):
 @cache
 def _kernels():
     replaced: dict[str, Callable] = dict.fromkeys(BOTH_SIDES, _both_sides)
+    replaced |= {name: _told(name) for name in TOLD}
     replaced |= {
         "math.algebra.largest": _largest,
         "dynamics.rates.is_finite": _is_finite,

@@ -4,7 +4,7 @@ Where a guard does not hold, a branch would go otherwise than where the kernel w
 written, translated by `program`, is called.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import FunctionType
 
@@ -80,11 +80,11 @@ class Traced:
         a guard fails. before : the call of `before`. place : of its own in `once`.
         """
         given = ", ".join(["run", *(name for _, name in self.more)])
-        inside = _indented(self.lines).replace("{kernel}", f"{kernel}({given})").replace("{before}", before)
+        inside = _inside(self.lines).replace("{kernel}", f"{kernel}({given})").replace("{before}", before)
         text = f"{self.head}\n{{\n{inside}\n}}"
 
         if self.once[1]:
-            first = f"static void {self.name}_once(const Run *run)\n{{\n{_indented(self.once[0])}\n}}"
+            first = f"static void {self.name}_once(const Run *run)\n{{\n{_inside(self.once[0])}\n}}"
             text = f"{first}\n\n{text}"
 
         return text.replace("{once}", str(place))
@@ -102,8 +102,13 @@ class Traced:
         return {guard.place for guard in way if bool(found[guard.node]) is not guard.holds}
 
 
-def _indented(lines):
-    return "\n".join(f"    {line}" if line else "" for line in lines)
+def indented(lines: Iterable[str]) -> list[str]:
+    """Lines of a block."""
+    return [f"    {line}" if line else "" for line in lines]
+
+
+def _inside(lines):
+    return "\n".join(indented(lines))
 
 
 def tracer_of(instance, work: Sequence[str] | None = GIVEN_WORK) -> Tracer:

@@ -55,7 +55,7 @@ class Body:
 
     first : nodes that are read before all else is done, being written over then. branches : what each of the
     branches wants that are written behind; what all need is done before them. known : nodes that are read
-    somewhere, and how. calls : what is called.
+    somewhere, and how. later : what will be wanted besides. calls : what is called.
     """
 
     def __init__(
@@ -67,9 +67,10 @@ class Body:
         first: Collection[int] = (),
         branches: Sequence[Iterable[int]] = (),
         known: Mapping[int, str] | None = None,
+        later: Iterable[int] = (),
     ):
         wanted = list(wanted)
-        all_wanted = [*wanted, *(k for branch in branches for k in branch)]
+        all_wanted = [*wanted, *(k for branch in branches for k in branch), *later]
         self.graph = graph
         self.known = known or {}
         self.language = language
