@@ -178,3 +178,44 @@ def test_a_picture_at_a_time(chromium, tmp_path):
     path = show(results, tmp_path / "a.png", 0.5, said.append)
     data = path.read_bytes()
     assert said == [] and struct.unpack(">II", data[16:24]) == (1280, 800) and len(data) > 15_000
+
+
+@pytest.mark.parametrize(
+    "file", ["models/floating_wind_turbine/turbine_at_sea.toml", "docs/line_of_sections.toml"]
+)
+def test_mooring_lines_go_with_their_bodies_between_the_rows_too(opened, tmp_path, file):
+    """To a centimetre of the kernels, at their ends to rounding; weights and buoys where sections meet."""
+    results = mbdfmi.load(MODELS.parent / file).simulate(10.0, 0.5)
+    shown = picture(results.scene, results.states)
+    page = opened(results.view(tmp_path / "run.html"))
+
+    for time in (0.0, 3.5, 6.23, 10.0):
+        page.evaluate("time => mbdfmi.seek(time)", time)
+        items = page.evaluate(
+            "mbdfmi.lines.items.map(item => [item.points.map(p => p.toArray()), item.beads.map(b => b.position.toArray())])"
+        )
+
+        for line, (points, beads) in zip(shown.lines, items, strict=True):
+            points = np.array(points)
+            ends = []
+
+            for end in line.ends:
+                body, r, _ = results.scene.marker_pose(end)
+                place, A = pose(page, body)
+                ends.append(place + A @ r)
+
+            np.testing.assert_allclose(points[[0, -1]], ends, atol=2e-6 * shown.size)
+            span = ends[1] - ends[0]
+            across = np.hypot(*span[:2])
+            flat = line.shape(across, span[2])[0]
+            away = np.append(span[:2], 0.0) / across
+            there = ends[0] + flat[:, :1] * away + flat[:, 1:] * [0.0, 0.0, 1.0]
+            np.testing.assert_allclose(points, there, atol=0.012)
+            np.testing.assert_allclose(
+                beads, points[[ball[0] for ball in line.balls]].reshape(np.shape(beads)), atol=1e-9
+            )
+
+    page.click("summary:has-text('show')")
+    page.uncheck("text=mooring lines")
+    page.uncheck("text=sea bed")
+    assert not page.evaluate("mbdfmi.lines.group.visible || mbdfmi.extras.beds.visible")

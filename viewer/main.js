@@ -4,6 +4,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { Arrows } from "./arrows.js";
+import { Lines, beds } from "./lines.js";
 import { Names } from "./names.js";
 import { Panel } from "./panel.js";
 import { Paths } from "./paths.js";
@@ -77,11 +78,13 @@ class Viewer {
     this.extras = {
       grid: grid(this.scene, this.root, info),
       water: water(this.scene, info),
+      beds: beds(this.scene, info),
       frames: frames(this.nodes, info),
       axes: jointAxes(this.nodes, info),
     };
     this.paths = new Paths(this);
     this.arrows = new Arrows(this.root, info);
+    this.lines = new Lines(this);
     this.names = new Names(this);
     this.plots = new Plots(this, page);
     this.panel = new Panel(this, page, options.has("picture"));
@@ -159,6 +162,7 @@ class Viewer {
       this.moveAlong(before);
     }
     this.arrows.seek(this.time);
+    this.lines.seek();
     this.extras.water?.seek(this.time);
     this.panel.update();
     this.plots.cursor();

@@ -42,7 +42,7 @@ export class Panel {
 
   menu(stage) {
     const { viewer } = this;
-    const { info, names, extras, layers, arrows, paths, plots } = viewer;
+    const { info, names, extras, layers, arrows, lines, paths, plots } = viewer;
     const rows = [
       this.check("names of bodies", names.on.bodies, (on) => (names.on.bodies = on)),
       this.check("names of joints", false, (on) => (names.on.joints = on)),
@@ -52,6 +52,8 @@ export class Panel {
         names.on.markers = on;
       }),
       extras.grid && this.check(`grid (${extras.grid.userData.cell} m)`, true, (on) => (extras.grid.visible = on)),
+      lines.items.length && this.check("mooring lines", true, (on) => (lines.group.visible = on)),
+      extras.beds && this.check("sea bed", true, (on) => (extras.beds.visible = on)),
       extras.water && this.check("water", true, (on) => (extras.water.visible = on)),
       ...Object.entries({ curves: "curves", surfaces: "surfaces", link: "springs and rods" }).map(
         ([layer, words]) =>

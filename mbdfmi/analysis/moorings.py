@@ -1,14 +1,13 @@
 """Mooring lines as they hang where a scene starts, and what they do as that is pulled aside."""
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..compiler.model import compile_scene
-from ..kernels.forces import catenaries, composite_lines, composite_pulls, composite_shapes
-from ..kernels.forces.line_pieces import piece
+from ..kernels.forces import catenaries, composite_lines
 from ..kernels.motion import markers
+from ..run import line_shapes
 from ..run.instance import Instance
 from ..scene import SceneData
 from ..scene.ends import stands_still
@@ -75,16 +74,10 @@ def moorings(scene: SceneData, offset: float, direction: float = 0.0, points: in
     along = np.array([np.cos(direction), np.sin(direction), 0.0])
     held = [not stands_still(scene.force[name].between[1]) for name in names]
 
-    # each kind is numbered by itself
-    rows, count = {}, [0, 0]
-
-    for name in names:
-        kind = int(scene.force[name].catenary.is_composite)
-        rows[name] = (_composite if kind else _line, count[kind])
-        count[kind] += 1
+    rows = line_shapes.lines_of(scene)
 
     def lines_at(x):
-        return [of(instance, scene, k, name, x * along) for name, (of, k) in rows.items()]
+        return [_hung(instance, scene, line, name, x * along) for name, line in rows.items()]
 
     def force_of(lines):
         return -sum(line.force @ along for line, holds in zip(lines, held) if holds)
@@ -111,127 +104,70 @@ def _out_of_water(scene, lines):
             )
 
 
-def _ends(instance, scene, name, first, second, moved):
-    """(3,) m each: the places of two markers, those on bodies moved (m)."""
-    places = [np.array(markers.position(instance.m, instance.d, int(marker))) for marker in (first, second)]
+def _ends(instance, scene, line, name, moved):
+    """(3,) m each: the places of a line's ends, those on bodies moved (m)."""
+    places = [np.array(markers.position(instance.m, instance.d, end)) for end in line.markers(instance.m)]
     ends = scene.force[name].between
     return [place if stands_still(end) else place + moved for place, end in zip(places, ends)]
 
 
-def _composite(instance, scene, k, name, moved):
-    """Line k of those of several sections, or with friction of the bed, with its ends on bodies moved (m)."""
+def _hung(instance, scene, line, name, moved):
+    """A line with its ends on bodies moved (m)."""
     m, d = instance.m, instance.d
-    first, second = _ends(instance, scene, name, m.composite_from[k], m.composite_to[k], moved)
+    first, second = _ends(instance, scene, line, name, moved)
     span = second - first
     across = float(np.hypot(span[0], span[1]))
-    H, V = composite_pulls.pull(m, d, k, across, float(span[2]))
     away = np.array([span[0], span[1], 0.0]) / across if across > 0.0 else np.zeros(3)
-    curve, lying, joints = _shape_of_sections(m, d, k, H, V)
+    of = line_shapes.hang(m, d, line, across, span[2])
+    H, V = float(of.H[0]), float(of.V[0])
+    out, up = _anchor_pull(m, d, line, H, V)
+    on_first, on_second = out * away + [0.0, 0.0, up], -H * away - [0.0, 0.0, V]
+    s, lying, joints = _places(of)
+    curve = line_shapes.points(of, s)[0]
     points = first + curve[:, :1] * away + curve[:, 1:] * [0.0, 0.0, 1.0]
-    force = -H * away - [0.0, 0.0, V]
+    ends = scene.force[name].between
+
+    # without a bed the lower end of one section is the first
+    swapped = not line.composite and not line.has_bed(m) and span[2] < 0.0
+    lower, upper = (second, first) if swapped else (first, second)
+    tensions = float(np.linalg.norm(on_first)), float(np.linalg.norm(on_second))
     return MooringLine(
         name,
         scene.force[name].catenary.total_length,
-        first,
-        second,
-        float(np.hypot(H, V)),
-        float(np.hypot(*composite_lines.anchor_pull(m, d, k, H, V))),
-        float(lying[:, 1].sum()),
-        scene.force[name].between[1].partition(".")[0],
-        points,
-        lying[:, 0] > 0.0,
-        points[joints],
-        force,
-        force,
-    )
-
-
-def _shape_of_sections(m, d, k, H, V):
-    """Line k, asked for at this pull.
-
-    Returns its points, (n, 2) m, along and up from the first end; (n - 1, 2) whether what is between them
-    lies, and how long it is unstretched (m); at which points sections meet.
-    """
-    first, last = int(m.composite_section[k]), composite_shapes.last_section(m, k)
-    pull = max(H, composite_shapes.least_pull(d, k))
-    points, lying, joints = [np.zeros(2)], [], []
-
-    def go(w, L, EA, h, top, bottom, lies):
-        now = piece(w, L, EA, h, top, bottom)
-        points.append(points[-1] + [now.x, now.z])
-        lying.append((float(lies), L if lies else 0.0))
-
-    for i in range(first, last + 1):
-        w, EA = composite_shapes.weight(m, i), float(m.section_stiffness[i])
-        floor, cap = composite_shapes.bounds(m, d, k, i, V)
-        of = composite_shapes.parts(m, d, k, i, floor.at, cap.at, H, V)
-        joints += [len(points) - 1] if i > first else []
-
-        for part in ("down", "flat", "up"):
-            length = getattr(of, part)
-            if not length > 0.0:
-                continue
-            if part == "flat":
-                # stretched by what it is pulled with, where it is tight
-                held = 0.5 * (of.pull + composite_shapes.pull_below(m, k, i, of)) * of.slid / length
-                go(0.0, length, EA, max(held, pull * 1e-9), 0.0, 0.0, True)
-                continue
-
-            steps = np.linspace(getattr(of, f"{part}_bottom"), getattr(of, f"{part}_top"), POINTS)
-
-            for low, high in itertools.pairwise(steps):
-                go(w, length / (POINTS - 1), EA, pull, high, low, False)
-
-    return np.array(points), np.array(lying), joints
-
-
-def _line(instance, scene, k, name, moved):
-    """Line k with its ends on bodies moved (m)."""
-    m, d = instance.m, instance.d
-    ends = _ends(instance, scene, name, m.line_from[k], m.line_to[k], moved)
-
-    # without a bed the lower end is the first
-    swapped = m.line_bed[k] == 0 and ends[1][2] < ends[0][2]
-    lower, upper = ends[::-1] if swapped else ends
-    span = upper - lower
-    across = float(np.hypot(span[0], span[1]))
-    H, V = catenaries.pull(m, d, k, across, float(span[2]))
-    w, L, EA = float(catenaries.weight(m, k)), float(m.line_length[k]), float(m.line_stiffness[k])
-    bed = m.line_bed[k] == 1
-    lowest = max(V - w * L, 0.0) if bed else V - w * L
-    away = np.array([span[0], span[1], 0.0]) / across if across > 0.0 else np.zeros(3)
-    curve = _shape(H, V, w, L, EA, bed)
-    lying = np.zeros(len(curve) - 1, bool)
-    lying[0] = len(curve) > POINTS
-    on_upper = -H * away - [0.0, 0.0, V]
-    return MooringLine(
-        name,
-        L,
         lower,
         upper,
-        float(np.hypot(H, V)),
-        float(np.hypot(H, lowest)),
-        max(0.0, L - V / w) if bed else 0.0,
-        scene.force[name].between[0 if swapped else 1].partition(".")[0],
-        lower + curve[:, :1] * away + curve[:, 1:] * [0.0, 0.0, 1.0],
-        lying,
-        np.zeros((0, 3)),
-        H * away + [0.0, 0.0, lowest] if swapped else on_upper,
-        on_upper,
+        tensions[0 if swapped else 1],
+        tensions[1 if swapped else 0],
+        float(of.grounded[0]),
+        ends[0 if swapped else 1].partition(".")[0],
+        points[::-1] if swapped else points,
+        lying[::-1] if swapped else lying,
+        points[joints],
+        on_second,
+        on_first if swapped else on_second,
     )
 
 
-def _shape(H, V, w, L, EA, bed):
-    """(n, 2) m: along and up from the lower end, of an elastic line pulled with H and V at its upper end."""
-    lying = max(0.0, L - V / w) if bed else 0.0
-    s = np.linspace(lying, L, POINTS) - lying
-    start = V - w * (L - lying)
-    pull = np.hypot(H, start + w * s)
+def _anchor_pull(m, d, line, H, V):
+    """(N towards the second end, N upwards) on the first end of a line that was hung last."""
+    if line.composite:
+        return composite_lines.anchor_pull(m, d, line.k, H, V)
 
-    # x' = H / T + H / EA, z' = v / T + v / EA
-    along = H * s / EA
-    if H > 0.0:
-        along = along + H / w * (np.arcsinh((start + w * s) / H) - np.arcsinh(start / H))
-    up = (pull - pull[0]) / w + (start * s + w * s * s / 2) / EA
-    found = np.column_stack([along + lying * (1 + H / EA), up])
-    return np.vstack([np.zeros((1, 2)), found]) if lying > 0.0 else found
+    return H, float(catenaries.lower_pull(m, line.k, V))
+
+
+def _places(of):
+    """Of a line at one place: m along it, unstretched, where points are to be; whether it lies from each to
+    the next; at which of them sections meet.
+    """
+    s, lying, joints = [0.0], [], []
+
+    for length, lies, section, before in zip(of.length[0], of.lies, of.section, [0, *of.section]):
+        joints += [len(s) - 1] if section > before else []
+
+        if length > 0.0:
+            n = 1 if lies else POINTS - 1
+            s += (s[-1] + length * np.arange(1, n + 1) / n).tolist()
+            lying += n * [bool(lies)]
+
+    return s, np.array(lying), joints

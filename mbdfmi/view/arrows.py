@@ -11,7 +11,7 @@ from ..run.instance import Instance, SimulationError
 from ..run.states import States
 from ..scene import SceneError, fmi_name
 from .motion import picked
-from .told import exact, packed
+from .numbers import exact, packed
 
 # rows of all arrows together, and of one
 MOST, ROWS = 12_000, 200

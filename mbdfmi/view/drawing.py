@@ -8,6 +8,8 @@ import zlib
 
 import numpy as np
 
+from ..scene.looks import red_green_blue
+from .lines import BED_OPACITY, SAND, beds
 from .told import eye, grid_cell, unseen_ground
 
 BACKGROUND = np.array([0xF4, 0xF6, 0xF8]) / 255
@@ -231,15 +233,20 @@ def _scenery(picture, grid):
         found.append((*_flat(lines, unseen_ground(picture)), GRID, 1.0))
 
     if view.water is not None:
-        k = np.linspace(-3 * radius, 3 * radius, 13)
-        u, v = (w.reshape(-1, 1) for w in np.meshgrid(k[:-1], k[:-1]))
-        step = k[1] - k[0]
-        squares = (
-            np.stack([u + step * np.array([0, 1, 1, 0]), v + step * np.array([0, 0, 1, 1])], axis=2) + middle
-        )
-        found.append((*_flat(squares, view.water), WATER, 0.42))
+        found.append((*_flat(_squares(middle, 3 * radius), view.water), WATER, 0.42))
+
+    for (x, height, y), reach in beds(picture):
+        found.append((*_flat(_squares(np.array([x, y]), reach), height), red_green_blue(SAND), BED_OPACITY))
 
     return found
+
+
+def _squares(middle, half, n=12):
+    """(n * n, 4, 2): a square about its middle in small ones."""
+    k = np.linspace(-half, half, n + 1)
+    u, v = (w.reshape(-1, 1) for w in np.meshgrid(k[:-1], k[:-1]))
+    step = k[1] - k[0]
+    return np.stack([u + step * np.array([0, 1, 1, 0]), v + step * np.array([0, 0, 1, 1])], axis=2) + middle
 
 
 def _flat(corners, height):

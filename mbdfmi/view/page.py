@@ -10,6 +10,7 @@ from pathlib import Path
 
 from . import glb
 from .arrows import arrows
+from .lines import told_lines, turns
 from .motion import picked
 from .told import told
 
@@ -19,6 +20,7 @@ FOLDER = Path(__file__).parent
 POSES = 1_100_000
 
 NOT_EVERY = "the picture shows {shown} of the {all} rows of the run"
+NO_LINES = 'mooring lines are not drawn in a frame that turns: frame = "inertial" shows them'
 SPINS = "{bodies} may turn further between two rows than the picture can tell: a smaller step shows how"
 
 
@@ -35,11 +37,17 @@ def page(picture, results=None, notes=()) -> str:
     if picture.moves.far_turns():
         notes.append(SPINS.format(bodies=", ".join(picture.moves.far_turns())))
 
+    if picture.lines and turns(picture):
+        notes.append(NO_LINES)
+
     if len(picture.moves.times) < len(picture.states):
         notes.append(NOT_EVERY.format(shown=len(picture.moves.times), all=len(picture.states)))
 
     binary = glb.write(picture.tree(full=False), picture.moves.times, picture.title)
-    info = told(picture, results, notes) | {"arrows": arrows(picture)}
+    info = told(picture, results, notes) | {
+        "arrows": arrows(picture),
+        "lines": told_lines(picture),
+    }
     data = json.dumps(info, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     parts = {
         "title": html.escape(picture.title),

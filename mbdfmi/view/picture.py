@@ -10,10 +10,14 @@ from ..run.states import States
 from ..scene import SceneData
 from . import forms, glb
 from .contents import Link, Piece, check_meshes, links, pieces
+from .lines import lines, surfaces
 from .motion import Motion, motion, up_axis, upright
 
 # of the scene's size: motions below are rounding
 STILL = 1e-9
+
+# of the radius of what moves: as far as mooring lines are seen when a picture is opened
+NEAR = 2.0
 
 
 @dataclass
@@ -43,7 +47,7 @@ class Picture:
     @cached_property
     def reach(self):
         """(centre (3,), radius) of a ball, in the picture's frame, that holds all that is drawn at all
-        times.
+        times, of mooring lines what is near.
         """
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         hulls = {}
@@ -69,7 +73,16 @@ class Picture:
         if not np.isfinite(low).all():
             low, high = np.full(3, -0.5), np.full(3, 0.5)
 
-        return (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-6)
+        centre, radius = (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-6)
+
+        for line in self.lines:
+            points = line.points([0])[0]
+            near = points[np.linalg.norm(points - centre, axis=1) < NEAR * radius]
+            low, high = (
+                pick(np.concatenate([near, [ends]]), axis=0) for pick, ends in ((np.min, low), (np.max, high))
+            )
+
+        return (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, radius)
 
     def thinned_to(self, rows):
         """The same with some rows of the states of the run alone."""
@@ -181,6 +194,11 @@ class Picture:
 
         return node
 
+    @cached_property
+    def lines(self):
+        """Its mooring lines."""
+        return lines(self)
+
     def drawn(self, moves: Motion):
         """(surface, colour, opacity) of all pieces and links at the one time of `moves`, in the picture's
         frame.
@@ -194,6 +212,9 @@ class Picture:
             node = still._link(link, _exact)
             A = Rotation(node.q).as_matrix()
             yield forms.moved(forms.cylinder(), node.r, A, node.scale), link.colour, 1.0
+
+        for surface, colour in surfaces(still, 0, self.reach[1]):
+            yield surface, colour, 1.0
 
     def glb(self) -> bytes:
         """The animated GLB."""

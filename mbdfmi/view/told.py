@@ -1,7 +1,5 @@
 """What a page tells beside its picture: names, markers, axes of joints, plots, from where it is looked at."""
 
-import base64
-
 import numpy as np
 
 from ..compiler.hydrodynamics import sea_components
@@ -9,6 +7,8 @@ from ..compiler.variables import array_of
 from ..hydro.spectra import wave_number
 from ..rotations import Rotation
 from ..scene.fields import unit_vector
+from .lines import beds
+from .numbers import exact, packed
 
 # points of a plot, and numbers of all plots in a page
 PLOT_POINTS = 1200
@@ -51,6 +51,7 @@ def told(picture, results=None, notes=()):
         "paths": list(view.paths),
         "plots": plots(scene, results) if run and results is not None else None,
         "arrows": None,  # see arrows.py
+        "lines": None,  # see lines.py
     }
 
 
@@ -72,9 +73,12 @@ def waves(scene, states=None):
 
 
 def unseen_ground(picture):
-    """Height of the grid: that of the ground's origin, or just below all that is drawn where that is
-    lower.
+    """Height of the grid: that of the bed of the sea where lines lie on it, else of the ground's origin, or
+    just below all that is drawn where that is lower.
     """
+    if levels := beds(picture):
+        return levels[0][0][1]
+
     heights = [
         (picture.moves.points(piece.body, points[:: max(1, len(points) // 40)]) @ picture.root[1]).min()
         for piece in picture.pieces
@@ -204,18 +208,3 @@ def plots(scene, results):
 
 def _rows(n):
     return np.unique(np.linspace(0, n - 1, min(n, PLOT_POINTS)).round().astype(int))
-
-
-def packed(values):
-    """Numbers as 16-bit steps of their range: as fine as a plot or an arrow can show."""
-    values = np.asarray(values, float)
-    low, high = float(values.min()), float(values.max())
-    scale = (high - low) / 65000 or 1.0
-    offset = (low + high) / 2
-    whole = np.round((values - offset) / scale).astype("<i2")
-    return {"data": base64.b64encode(whole.tobytes()).decode(), "scale": scale, "offset": offset}
-
-
-def exact(values):
-    """Numbers as floats of 32 bits."""
-    return {"data": base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()}
