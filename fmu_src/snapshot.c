@@ -7,7 +7,7 @@
 #include "crc32.h"
 #include "kernels.h"
 
-#define VERSION 4
+#define VERSION 5
 
 static const char MAGIC[8] = {'m', 'b', 'd', 'f', 'm', 'i', '\0', 'S'};
 

@@ -7,8 +7,8 @@ from scipy.integrate import trapezoid
 
 import mbdfmi
 from mbdfmi.cli import main
-from mbdfmi.compiler.hydrodynamics import sea_components
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.compiler.seas import sea_components
 from mbdfmi.hydro import spectra
 from mbdfmi.view.told import waves
 

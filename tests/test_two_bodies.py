@@ -362,7 +362,7 @@ SEA = {"waves": {"jonswap": {"hs": 2.0, "tp": 8.0, "components": 30, "seed": 3},
 
 def test_each_feels_the_waves_at_its_place(database):
     """The sum of components with the file's phases, whose origin is the inertial frame's, whatever the start."""
-    from mbdfmi.compiler.hydrodynamics import sea_components
+    from mbdfmi.compiler.seas import sea_components
 
     scene = afloat(database, sea=SEA, outputs=["excitation_force", "excitation_moment", *OUTPUTS])
     run = simulate(compile_scene(scene), 10.0, 0.5)

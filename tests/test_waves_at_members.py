@@ -8,9 +8,9 @@ import pytest
 from scenes import assert_near
 from scipy.integrate import solve_ivp
 
-from mbdfmi import Scene
-from mbdfmi.compiler.hydrodynamics import sea_components
+from mbdfmi import Scene, SceneError
 from mbdfmi.compiler.model import compile_scene
+from mbdfmi.compiler.seas import sea_components
 from mbdfmi.hydro.spectra import wave_number
 from mbdfmi.run.instance import Instance
 from mbdfmi.run.simulate import simulate
@@ -229,3 +229,62 @@ def test_power_and_energy_in_waves():
 def test_a_member_that_waves_pass_by():
     scene = pile({"waves": REGULAR}, {"drag": 1.0, "added_mass": 1.0, "waves": False})
     assert np.all(told(scene, 2.0)[1] == 0.0)
+
+
+# a member that waves meet where it is
+
+
+@pytest.mark.parametrize("stretching", ["none", "wheeler"])
+def test_waves_meet_a_member_where_it_is(stretching):
+    """Towed along, it feels the water of where it has come to: midpoints of 300 pieces, waves by their sums."""
+    ends = ((-4.0, 1.0, -9.0), (2.0, 4.0, 3.0))
+    sea = {"depth": 40.0, "waves": DRAWN, "stretching": stretching, "current": {"velocity": [0.4, -0.3, 0]}}
+    rail = {"prismatic": {"axis": "x"}, "driver": {"constant_speed": 6.0}}
+    scene = pile(sea, {"drag": 1.1, "added_mass": 0.9, "position": "now"}, ends, rail)
+    time, found = told(scene, 4.0)
+    axis = np.subtract(ends[1], ends[0]) / np.linalg.norm(np.subtract(ends[1], ends[0]))
+    stretched = stretching == "wheeler"
+    across = lambda x: x - (x @ axis) * axis
+
+    for t, f in list(zip(time, found))[::5]:
+        moved = tuple(np.add(end, [6.0 * t, 0, 0]) for end in ends)
+
+        def load(r, t=t):
+            v, a, _, eta = water(scene, r, t, stretched)
+            if r[2] > (eta if stretched else 0.0):
+                return np.zeros(3)
+            u = across(v + [0.4 - 6.0, -0.3, 0.0])
+            return 0.5 * RHO * D * 1.1 * np.linalg.norm(u) * u + RHO * np.pi * D**2 / 4 * 1.9 * across(a)
+
+        wanted = integral(scene, moved, t, load, 3.0, 300)
+        wanted += RHO * np.pi * D**2 / 4 * water(scene, moved[0], t, stretched)[2] * axis
+        assert_near(f, wanted, 0.02 * np.linalg.norm(wanted) if stretched else 0.004 * np.linalg.norm(wanted))
+
+
+@pytest.mark.parametrize("stretching", ["none", "wheeler"])
+def test_one_that_stands_feels_the_same_either_way(stretching):
+    """To the error of the knots, of one that is wet all the time."""
+    sea = {"depth": 40.0, "waves": DRAWN, "stretching": stretching}
+    member = {"drag": 1.1, "added_mass": 0.9, "axial_added_mass": 0.5, "sections": 6}
+    ends = ((3.0, -2.0, -12.0), (3.0, -2.0, -3.0))
+    still, here = (told(pile(sea, member | {"position": key}, ends), 6.0)[1] for key in ("mean", "now"))
+    assert_near(here, still, 2e-4 * np.abs(still).max())
+
+
+def test_a_member_towed_against_waves_meets_them_more_often():
+    """At omega + k U, in deep water: the load repeats after that period, which is not so where it feels those of its start."""
+    omega, U = 0.9, 5.0
+    sea = {"waves": {"regular": {"height": 1.0, "period": 2 * np.pi / omega}}}
+    rail = {"prismatic": {"axis": "x"}, "driver": {"constant_speed": -U}}
+    period = 2 * np.pi / (omega + omega**2 / G * U)
+
+    for position, same in (("now", True), ("mean", False)):
+        scene = pile(sea, {"drag": 1.0, "added_mass": 1.0, "position": position}, joint=rail)
+        force = simulate(compile_scene(scene), 3 * period, period / 12)["water.force"][:, 0]
+        off = np.abs(force[12:25] - force[24:37]).max() / np.ptp(force)
+        assert (off < 1e-9) if same else (off > 0.1)
+
+
+def test_position_is_about_waves():
+    with pytest.raises(SceneError, match="position is about waves"):
+        pile({"waves": REGULAR}, {"waves": False, "position": "now"})

@@ -53,7 +53,7 @@ def rao(scene: SceneData, omega=None, direction=0.0, outputs=None, at=None) -> R
     mechanism = manifold.mechanism
     m, d = mechanism.m, mechanism.d
 
-    if not m.n_excitation and not m.n_station:
+    if not m.n_excitation and not (m.member_station != -1).any():
         deaf = [
             f"[force.{name}] hydrodynamics.excitation is {show(force.hydrodynamics.excitation)}"
             for name, force in scene.force.items()

@@ -14,7 +14,7 @@ from ..vocabulary import (
     SOLVER_OUTPUTS,
 )
 from .builder import Place, Source
-from .hydrodynamics import add_waves
+from .seas import add_waves
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py

@@ -1,4 +1,4 @@
-"""Bodies that linear potential theory knows, and the waves of the sea."""
+"""Bodies that linear potential theory knows."""
 
 import contextlib
 import hashlib
@@ -11,21 +11,22 @@ import numpy as np
 from ..files import replacing
 from ..hydro import memory as memory_module
 from ..hydro.consistency import disagreements, told_spikes, without_spikes
+from ..hydro.database import around
 from ..hydro.memory import Memory, fit
 from ..hydro.progress import Progress
 from ..hydro.reading import read_coefficients, read_states
-from ..hydro.spectra import Components, drawn, of_series, regular
 from ..kernels import entry, layout, outputs
-from ..kernels.forces.six_by_six import FIRST
+from ..kernels.forces.six_by_six import BODY, FIRST, HEADING
 from ..kernels.motion import markers
 from ..kernels.status import OK
 from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
-from ..scene.sea import Sea, csv_columns
-from ..vocabulary import EXCITATION_FORCE, EXCITATION_MOMENT, HYDRODYNAMICS_OUTPUTS, SEA_OUTPUTS
-from .builder import Place, Source
+from ..scene.sea import Sea
+from ..vocabulary import EXCITATION_FORCE, EXCITATION_MOMENT, HYDRODYNAMICS_OUTPUTS
+from .builder import Source
 from .natural import Fitted
 from .resistance import add_resistance
+from .seas import add_waves, sea_components
 from .start import start_pose
 from .variables import dotted
 
@@ -41,6 +42,9 @@ HYDRODYNAMICS_KINDS = {
     "damping_moment": (outputs.RESISTANCE_MOMENT, 2),
     "damping_power": (outputs.RESISTANCE_POWER, 2),
 }
+
+# words of the scene -> axes of forces/water_axes.py
+AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
 # part of the energy outside a file's frequencies that is told
 OUTSIDE = 0.01
@@ -63,6 +67,7 @@ def add_hydrodynamics(builder, name, force, ends):
     """Added mass, memory, excitation of bodies. Raises SceneError for files that cannot be read."""
     spec, sea = force.hydrodynamics, builder.scene.sea or Sea()
     ends, starts = _points(builder, force, ends)
+    axes = AXES[spec.axes]
     path = ("force", name, "hydrodynamics", "file")
     told = _memory_told(spec)
 
@@ -109,11 +114,12 @@ def add_hydrodynamics(builder, name, force, ends):
 
     for k, end in enumerate(ends):
         own = slice(6 * k, 6 * k + 6)
-        add_added_mass(builder, end, infinite[own, own])
+        add_added_mass(builder, end, infinite[own, own], axes)
 
     _add_shared_water(builder, ends, infinite)
-    rows = [_add_memory(builder, name, ends, memory, infinite), [-1] * len(ends)]
-    rows.append(add_resistance(builder, name, force, ends))
+    _check_axes(path, spec.axes, held)
+    rows = [_add_memory(builder, name, ends, memory, infinite, axes), [-1] * len(ends)]
+    rows.append(add_resistance(builder, name, force, ends, axes))
 
     if sea.waves and memory and not told[2]:
         _tell_outside(builder, path, sea_components(builder.scene), coefficients.omega, RADIATION)
@@ -125,8 +131,9 @@ def add_hydrodynamics(builder, name, force, ends):
             text = 'is "input": the waves of [sea] do not act here, what comes in does'
             builder.notice(("force", name, "hydrodynamics", "excitation"), text)
     elif spec.excitation and sea.waves:
+        _check_loads_turn(path, spec.axes, coefficients)
         rows[1] = _add_excitation(
-            builder, name, (ends, starts), coefficients, held == 1, spec.position == "now"
+            builder, name, (ends, starts), coefficients, held == 1, spec.position == "now", axes
         )
 
     _add_outputs(builder, name, force, rows)
@@ -147,6 +154,36 @@ def _points(builder, force, ends):
         found.append(builder.add_marker((end, tuple(place)), node, (r + A @ place, A)))
 
     return found, [r + A @ place for (r, A), place in zip(starts, places)]
+
+
+def _check_axes(path, axes, held):
+    """Raises SceneError where bodies that are solved together are to turn, each with what it says of the others."""
+    if axes != "first" and held > 1:
+        text = (
+            f'axes = "{axes}" is of one body that turns; the file holds {held}, and what it says of the water between them is of bodies that '
+            'keep their headings: axes = "first", or a file of each body alone'
+        )
+        raise SceneError([Problem((*path[:-1], "axes"), text)])
+
+
+def _check_loads_turn(path, axes, coefficients):
+    """Raises SceneError where a body would turn to where its file has no loads of waves."""
+    if axes == "body":
+        text = (
+            'axes = "body" turns all with a body at any angle, and the file has loads of waves on one that is upright: excitation = false or '
+            '"input", or axes = "heading"'
+        )
+        raise SceneError([Problem((*path[:-1], "axes"), text)])
+
+    if axes == "heading" and coefficients.headings is not None:
+        known = around(coefficients.headings, coefficients.excitation)[0]
+
+        if known[-1] - known[0] < 2 * np.pi - BESIDE:
+            text = (
+                f'axes = "heading" lets the body turn to any heading; those of the file are from {np.degrees(known[0]):.4g} to '
+                f"{np.degrees(known[-1]):.4g} degrees: solve it for all, as with mbdfmi hydro --heading 0:330:30"
+            )
+            raise SceneError([Problem((*path[:-1], "axes"), text)])
 
 
 def _parts(name, force):
@@ -176,13 +213,13 @@ def _add_shared_water(builder, ends, infinite):
         builder.shared_nodes.append([builder.marker_node(ends[k]) for k in moving])
 
 
-def add_added_mass(builder, marker, added):
-    """Added mass (6, 6) about a marker, in the axes of the inertial frame whatever way its body turns. Returns its row."""
+def add_added_mass(builder, marker, added, axes=FIRST):
+    """Added mass (6, 6) about a marker, in the axes of the inertial frame whatever way its body turns, or others. Returns its row."""
     return builder.tables["n_six_by_six"].add(
         six_by_six_from=builder.marker("inertial"),
         six_by_six_to=marker,
         six_by_six_adds=builder.marker_node(marker) > 0,
-        six_by_six_axes=FIRST,
+        six_by_six_axes=axes,
         six_by_six_stiffness=np.zeros((6, 6)),
         six_by_six_damping=np.zeros((6, 6)),
         six_by_six_added=added,
@@ -284,7 +321,7 @@ def _kept_fit(coefficients, error, states, near):
     return memory
 
 
-def _add_memory(builder, name, ends, memory, infinite):
+def _add_memory(builder, name, ends, memory, infinite, axes):
     """Rows of the memory of markers' bodies, which share its states; -1 without."""
     if memory is None or not len(memory.pole):
         return [-1] * len(ends)
@@ -318,17 +355,18 @@ def _add_memory(builder, name, ends, memory, infinite):
                 radiation_memory=first,
                 radiation_memories=len(memory.pole),
                 radiation_row=begin,
+                radiation_axes=axes,
             )
         )
 
     return rows
 
 
-def _add_excitation(builder, name, places, coefficients, alone, follows):
+def _add_excitation(builder, name, places, coefficients, alone, follows, axes):
     """Rows of what the sea's waves do to markers' bodies, of one that is alone in its file about where it starts, of others where
     the file has them.
 
-    places : markers, and where they start (m). follows : whether waves meet them where they are.
+    places : markers, and where they start (m). follows : whether waves meet them where they are. axes : of the loads, not BODY.
     """
     add_waves(builder)
     tables, path = builder.tables, ("force", name, "hydrodynamics", "file")
@@ -353,9 +391,14 @@ def _add_excitation(builder, name, places, coefficients, alone, follows):
             tables["n_response_point"].add(point_force=point)
 
         builder.counts["n_part"] = builder.counts.get("n_part", 0) + len(waves.omega)
+        turned = builder.counts.get("n_heading_part", 0)
+
+        if axes != FIRST:
+            builder.counts["n_heading_part"] = turned + len(waves.omega) * len(headings)
         row = tables["n_excitation"].add(
             excitation_marker=marker,
             excitation_grid=[first, len(omega), len(headings), first_point],
+            excitation_turns=turned if axes != FIRST else -1,
             excitation_place=start[:2] if alone else [0.0, 0.0],
         )
         rows.append(row)
@@ -478,117 +521,3 @@ def _add_outputs(builder, name, force, rows):
                 f"{words}: {quantity.text}",
                 [builder.node_of(end)],
             )
-
-
-# the sea
-
-
-def sea_components(scene, parameters=None) -> Components:
-    """The components of the sea's waves, read or drawn. Raises SceneError for files that cannot be read.
-
-    parameters : of a run, by name; those of the sea (`SEA_PARAMETERS`) take the place of the scene's.
-    """
-    waves, given = scene.sea.waves, parameters or {}
-    heading = given.get("sea.direction", np.radians(waves.direction_deg))
-
-    if waves.regular:
-        spec = waves.regular
-        height, period = given.get("sea.height", spec.height), given.get("sea.period", spec.period)
-        return regular(height, period, np.radians(spec.phase_deg), heading)
-
-    spec = waves.jonswap or waves.pierson_moskowitz
-
-    if spec:
-        gamma = getattr(spec, "gamma", 1.0)
-        return drawn(
-            given.get("sea.hs", spec.hs),
-            given.get("sea.tp", spec.tp),
-            gamma,
-            spec.components,
-            spec.spacing,
-            int(given.get("sea.seed", spec.seed)),
-            heading,
-            spec.spread,
-            spec.directions,
-        )
-
-    kind = "components" if waves.components else "series"
-    path = ("sea", "waves", kind, "file")
-
-    try:
-        columns = csv_columns(getattr(waves, kind).file, 4 if kind == "components" else 2).T
-        return _as_components(kind, columns, heading)
-    except ValueError as error:
-        raise SceneError([Problem(path, str(error))]) from None
-
-
-def _as_components(kind, columns, heading):
-    """Components of a file's columns. Raises ValueError."""
-    if kind == "components":
-        if not columns[0].min() > 0.0:
-            raise ValueError(f"needs frequencies above 0, found {columns[0].min():g}")
-        return Components(*columns)
-
-    steps = np.diff(columns[0])
-    if not (steps.min() > 0.0 and np.ptp(steps) < 1e-6 * steps.mean()):
-        raise ValueError("needs times that are evenly spaced, ascending")
-    return of_series(*columns, heading)
-
-
-# parameters of a sea in an FMU: their unit, and words
-SEA_PARAMETERS = {
-    "hs": ("m", "significant height of the waves"),
-    "tp": ("s", "period of the spectrum's peak"),
-    "height": ("m", "height of the waves from trough to crest"),
-    "period": ("s", "period of the waves"),
-    "direction": ("rad", "mean direction in which the waves travel, from x towards y"),
-    "seed": (None, "seed of the phases, a whole number"),
-}
-
-
-def add_waves(builder):
-    """The components of the sea, and the parameters that they are made of, once."""
-    if builder.tables["n_sea"].length:
-        return
-
-    sea, tables = builder.scene.sea, builder.tables
-    waves, spec = sea_components(builder.scene), sea.waves
-    drawn = spec.jonswap or spec.pierson_moskowitz
-    height, period, seed = 1.0, 1.0, -1.0
-    names = []
-
-    if drawn:
-        height, period, seed = drawn.hs, drawn.tp, drawn.seed
-        names = ["hs", "tp", "direction", "seed"]
-    elif spec.regular:
-        height, period = spec.regular.height, spec.regular.period
-        names = ["height", "period", "direction"]
-
-    direction = np.radians(spec.direction_deg) if names else 0.0
-    value = [height, period, direction, seed]
-    depth, stretched = sea.depth or 0.0, sea.stretching == "wheeler"
-    tables["n_sea"].add(sea_value=value, sea_water=[depth, -builder.scene.gravity[2], seed, float(stretched)])
-
-    for omega, amplitude, phase, heading in zip(*waves):
-        tables["n_sea_wave"].add(sea_unit=[amplitude / height, omega * period, phase, heading - direction])
-
-    for name in names:
-        at = {"hs": 0, "height": 0, "tp": 1, "period": 1, "direction": 2, "seed": 3}[name]
-        unit, about = SEA_PARAMETERS[name]
-        place = Place("sea_value", 0, at)
-        builder.add_parameters(f"sea.{name}", place, value[at], unit, about, "fixed")
-
-
-def add_sea(builder):
-    """Outputs of the sea."""
-    sea = builder.scene.sea
-
-    if not (sea and sea.output):
-        return
-
-    add_waves(builder)
-
-    for output in sea.output:
-        quantity = SEA_OUTPUTS[output]
-        source = Source(outputs.ELEVATION, 0, builder.marker("inertial"))
-        builder.add_outputs(f"sea.{output}", source, quantity.unit, quantity.text, [])

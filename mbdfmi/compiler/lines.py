@@ -33,6 +33,7 @@ def add_catenary(builder, name, force, ends):
     spec = force.catenary
     composite = spec.is_composite
     row = (_add_composite if composite else _add_line)(builder, name, force, ends)
+    _watch(builder, name, row, composite)
     _tell_length(builder, name, force)
     _tell_places(builder, name, force)
     _tell_moving_bed(builder, name, force)
@@ -146,6 +147,16 @@ def _add_composite(builder, name, force, ends):
             builder.add_parameters(dotted(name, key), place, given, unit, of)
 
     return row
+
+
+def _watch(builder, name, row, composite):
+    """Has it told if a line comes under the sea's bed in a run."""
+    sea = builder.scene.sea
+
+    if sea and sea.depth:
+        builder.tables["n_low"].add(
+            low_line=row, low_composite=composite, low_place=builder.add_name(name), low_bed=-sea.depth
+        )
 
 
 def _density(builder):

@@ -33,7 +33,7 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
-from .hydrodynamics import add_sea, meet_waves, shares_water
+from .hydrodynamics import meet_waves, shares_water
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
@@ -42,6 +42,7 @@ from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .planes import planar_starts
 from .reactions import add_reactions
 from .sea_limits import tell_steep_waves
+from .seas import add_sea
 from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
 from .survey import NONE, Surveys, survey
 from .topology import Tree, absolute_tree, spanning_tree
@@ -424,7 +425,7 @@ def _values(builder, first_name):
     """What stands in the arrays, by name; first_name : place of the builder's first name among those that messages point to."""
     values = _arrays(builder)
 
-    for name in ("told_place", "stop_place"):
+    for name in ("told_place", "stop_place", "low_place"):
         values[name] = np.asarray(values.get(name, ())) + first_name
 
     values["scene_length"] = _scene_length(builder.scene)

@@ -14,7 +14,7 @@ ARRAYS = {"damping": "resistance_linear", "quadratic": "resistance_quadratic"}
 WORDS = {"damping": "linear damping", "quadratic": "quadratic damping"}
 
 
-def add_resistance(builder, name, force, ends):
+def add_resistance(builder, name, force, ends, axes):
     """Rows of the damping that a scene adds to what waves made take, -1 without."""
     spec = force.hydrodynamics
     given = {key: spec.matrices(key) for key in ARRAYS}
@@ -27,7 +27,9 @@ def add_resistance(builder, name, force, ends):
     for k, (marker, end) in enumerate(zip(ends, force.between)):
         own = {key: found[k] if found else np.zeros((6, 6)) for key, found in given.items()}
         row = builder.tables["n_resistance"].add(
-            resistance_marker=marker, **{ARRAYS[key]: matrix for key, matrix in own.items()}
+            resistance_marker=marker,
+            resistance_axes=axes,
+            **{ARRAYS[key]: matrix for key, matrix in own.items()},
         )
         rows.append(row)
         parts = (name,) if len(ends) == 1 else (name, end.split(".")[0])

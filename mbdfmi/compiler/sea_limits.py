@@ -4,7 +4,7 @@ import numpy as np
 
 from ..hydro.spectra import wave_number
 from ..vectors import dot
-from .hydrodynamics import sea_components
+from .seas import sea_components
 from .start import start_pose
 
 # Miche: the steepest wave, height by length, in deep water

@@ -3,14 +3,16 @@
 import numpy as np
 
 from ..kernels import outputs
+from ..kernels.forces.stations import HERE
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea
 from ..vectors import dot, norm
 from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
-from .hydrodynamics import add_added_mass, add_waves
+from .hydrodynamics import add_added_mass
 from .sea_limits import tell_hull_aground
+from .seas import add_waves
 from .start import start_pose
 from .variables import dotted
 
@@ -89,7 +91,7 @@ def add_member(builder, name, force, ends):
         member_from=ends[0],
         member_to=ends[1],
         member_sections=spec.sections,
-        member_station=_add_stations(builder, force, ends) if waves else -1,
+        member_station=_waves_at(builder, force, ends) if waves else -1,
         member_value=[*value, spec.axial_added_mass],
         member_density=sea.density,
     )
@@ -115,9 +117,13 @@ def add_member(builder, name, force, ends):
 GAUSS = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
 
 
-def _add_stations(builder, force, ends):
-    """The first of a member's stations, those of its sections' points and its ends."""
+def _waves_at(builder, force, ends):
+    """The first of a member's stations, those of its sections' points and its ends; HERE where it feels the waves of where it is."""
     add_waves(builder)
+
+    if force.member.position == "now":
+        return HERE
+
     first, second = (start_pose(builder, end)[0] for end in force.between)
     sections = force.member.sections
     parts = [(j + g) / sections for j in range(sections) for g in GAUSS] + [0.0, 1.0]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..compiler.survey import MOST_LOCALS
 from ..files import check_ending, replacing, same
-from ..kernels.status import MESSAGES, OF_END_FRAMES
+from ..kernels.status import MESSAGES, ONLY_WITH
 from ..native.platforms import PLATFORMS, host_platform
 from . import sources, terminals
 from .description import description, generation_time
@@ -80,7 +80,11 @@ def export_fmu(
 
     found = _own(model, progress) if specialise or with_sources else None
     icon = pictures[1] if pictures else (Path(__file__).parent / "model.png").read_bytes()
-    texts = {code: text for code, text in MESSAGES.items() if model.n_end_frame or code not in OF_END_FRAMES}
+    texts = {
+        code: text
+        for code, text in MESSAGES.items()
+        if code not in ONLY_WITH or getattr(model, ONLY_WITH[code])
+    }
     files = {
         "modelDescription.xml": DESCRIPTIONS[fmi](model, sources.compiled(fmi) if with_sources else ()),
         "model.png": icon,

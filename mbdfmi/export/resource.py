@@ -10,7 +10,7 @@ from .tape import NONE, Tape
 
 NAME = "model.bin"
 MAGIC = b"mbdfmi\0\1"
-VERSION = 9
+VERSION = 10
 TAPE_SIZES = ("operations", "constants", "guards", "led_guards", "results")
 REST_SIZES = ("rest", "rests")
 SIZES = (*SEALED_SIZES, "places", "messages", "notices", *TAPE_SIZES, *REST_SIZES)

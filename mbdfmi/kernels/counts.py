@@ -25,6 +25,7 @@ COUNTS = (
     "n_polygon",  # their faces
     "n_corner",  # corners of these
     "n_line",  # catenaries between two markers
+    "n_low",  # lines that may come under the sea's bed
     "n_composite",  # those of several sections, or with friction of the bed
     "n_section",  # their sections
     "n_radiation",  # memories of the waves that bodies make
@@ -37,6 +38,7 @@ COUNTS = (
     "n_excitation",  # what waves do to bodies
     "n_follow",  # these, where one of them or more are met by the waves where it is, else 0
     "n_part",  # components of that
+    "n_heading_part",  # these at headings of the file, of bodies whose loads turn with them
     "n_grid",  # frequencies and headings at which it is known
     "n_response_point",  # pairs of these
     "n_station",  # points of members at which waves move the water

@@ -7,7 +7,7 @@ import math
 
 from . import exchange, forces, joints, notes, output_values, outputs
 from .dynamics import assembly, ends, forward, inertia, projection, rates, reactions, rows
-from .forces import radiation, struts
+from .forces import radiation, sagging, struts
 from .joints import virtual
 from .language import apart, inlined
 from .motion import commands, drives, kinematics
@@ -41,6 +41,7 @@ def initialise(m, d, t0):
     kinematics.kinematics(m, d)
     struts.keep_start_lengths(m, d)
     radiation.reset(m, d)
+    sagging.reset(m, d)
     notes.tell_of_start(m, d)
     return OK
 

@@ -40,6 +40,7 @@ TOUCHES_ALONG = 46
 BAD_EFFORT = 47
 BAD_SEA = 50
 BEYOND_END = 51
+UNDER_BED = 52
 COUPLING_OPEN = 48
 COUPLING_OFF = 49
 SINGULAR_START = 30
@@ -116,12 +117,15 @@ MESSAGES = {
     BEYOND_STOP: "%s starts at %g, beyond its stop at %g",
     BEYOND_END: "%s has come beyond the end of its curve or surface (s = %g, that is at %g): from there it goes on straight, and what "
     "is held to its frame stops turning at once, which takes energy or adds some; let the points reach as far as the way does",
+    UNDER_BED: "%s comes down to z = %g m, and the sea's bed is at %g m: nothing carries it there, and the run goes on so; a line lies on a bed "
+    "where its first end is on it, or as high as that with bed = true",
     GAP_TAKEN: "%s does not quite close: its ends stay %g m apart and turned by %g rad against each other, and the run goes on so",
     BODY_STUCK: "%s cannot move: its joints leave it 0 degrees of freedom",
     BAD_INERTIA: "the inertia of %s has a negative principal moment",
 }
 
-OF_END_FRAMES = (BEYOND_END,)  # texts that a file of a model without end frames does not carry
+# texts that a file carries only of a model that has some of these
+ONLY_WITH = {BEYOND_END: "n_end_frame", UNDER_BED: "n_low"}
 
 
 @inlined

@@ -244,8 +244,12 @@ class HydrodynamicsOptions(Part):
         of the FMU in their place, so that a sea from elsewhere drives the body.
     position : where waves meet a body. "mean": where it starts; loads are kept at knots in time. "now": where its point of reference is,
         so that phases lag as it drifts; that is the plain sum of components, anew at each evaluation (200 of them cost some us).
+    axes : that coefficients, `damping` and `quadratic` are in. "first", the inertial ones, for bodies that keep their heading. "heading",
+        those turned about z by the yaw of the end's axes, for a ship that turns: the memory turns with it, and waves meet it at their
+        direction less its yaw, for which the file's headings go all the way round; that is the plain sum of components at each
+        evaluation. "body", the end's, for a body deep in water at any angle, which no waves of the sea act on. Of one body.
     damping : (6, 6) N s/m, N s, N m s, or its diagonal, beside waves made: force and moment about the point of reference are -damping
-        (velocity, angular velocity), inertial axes. Of several bodies one for each.
+        (velocity, angular velocity), in `axes`. Of several bodies one for each.
     quadratic : likewise, of each component of velocity and angular velocity times its size.
     """
 
@@ -258,6 +262,7 @@ class HydrodynamicsOptions(Part):
     radiation: number_or(Boolean, RadiationOptions) = True
     excitation: Excitation = True
     position: OneOf("mean", "now") = "mean"
+    axes: OneOf("first", "heading", "body") = "first"
     damping: Blocks | None = None
     quadratic: Blocks | None = None
 
@@ -307,7 +312,7 @@ class Hydrodynamics(Part):
     """hydrodynamics = { file, bodies, scale, radiation, excitation, ... }, on : the end about whose origin the coefficients are.
 
     Cummins' equation: added mass at infinite frequency (part of the body's inertia), memory of the waves that the body makes, and what
-    those of the sea do to it. Axes are those of the inertial frame, whatever way the body turns (linear theory). Buoyancy
+    those of the sea do to it. Axes are those of the inertial frame, whatever way the body turns (linear theory), or `axes`. Buoyancy
     is for `hydrostatics` or `linear` beside it.
 
     Of a file of several bodies `on` is a list, an end for each. They feel the waves that the others make, and move their water; loads of
@@ -353,6 +358,9 @@ class MemberOptions(Part):
         pressure of waves acts: other elements of the body know of both.
     axial_added_mass : coefficient along it, for each end that starts under water, by half a ball of water on its disc.
     waves : whether those of the sea move its water.
+    position : where it feels them. "mean": where it starts; how the water moves is kept at knots in time. "now": where it is, so that
+        phases lag as it drifts, and it feels those of the depth that it is at; that is the plain sum of components, anew for each point at
+        each evaluation (8 us a point of 200 of them).
     sections : of equal lengths, with two points each on what of them is wet.
     """
 
@@ -362,12 +370,15 @@ class MemberOptions(Part):
     added_mass: NotNegative | None = None
     axial_added_mass: NotNegative = 0.0
     waves: Boolean = True
+    position: OneOf("mean", "now") = "mean"
     sections: whole(1, 100) = 4
 
     @model_validator(mode="after")
     def _check_added_mass(self):
         if self.axial_added_mass and self.added_mass is None:
             raise ValueError("axial_added_mass needs added_mass beside it, as in added_mass = 1.0")
+        if "position" in self.model_fields_set and not self.waves:
+            raise ValueError("position is about waves of the sea, and waves is false; leave it out")
         return self
 
 
@@ -376,7 +387,7 @@ class Member(Part):
 
     Morison's formula for what of it is under water: drag in the velocity of the water, of current and waves, less its own; with `added_mass`
     also the inertia of that water, the part of the member's own acceleration as added mass, and the pressure of waves on its ends. The
-    waves are those at the places where it starts. Buoyancy is for `hydrostatics` or `linear` beside it.
+    waves are those at the places where it starts, or where it is (`position`). Buoyancy is for `hydrostatics` or `linear` beside it.
 
     output : force of the water (N, inertial frame), its power on the body (W).
     """

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..compiler.hydrodynamics import sea_components
+from ..compiler.seas import sea_components
 from ..compiler.variables import array_of
 from ..hydro.spectra import wave_number
 from ..rotations import Rotation

@@ -40,7 +40,7 @@ def run(options):
     """Tells the sea, writes what was asked for."""
     import numpy as np
 
-    from ...compiler.hydrodynamics import sea_components
+    from ...compiler.seas import sea_components
     from ...hydro.sea_picture import draw_sea
     from ...run.results import Results
 

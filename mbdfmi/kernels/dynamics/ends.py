@@ -1,4 +1,6 @@
-"""Ends of curves and surfaces that a joint holds axes to: beyond them these are straight, and the axes stop turning at once.
+"""What is told as soon as a motion has come there: ends of curves and surfaces that a joint holds axes to, lines under the sea's bed.
+
+Beyond an end curves and surfaces are straight, and the axes stop turning at once.
 
 That takes energy from a body, or gives it some, which no law of mechanics allows (docs/theory.md 10.5): so it is told, once of
 each joint in a run. Whether it was is kept where the side of surfaces that touch is, of which these joints know none.
@@ -6,6 +8,7 @@ each joint in a run. Whether it was is kept where the side of surfaces that touc
 
 from ..end_frames import curves, surfaces
 from ..end_frames.touching import ON_CURVE
+from ..forces import sagging
 from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..math import tables
@@ -84,9 +87,12 @@ def tell_ends(m, d):
 
 @inlined
 def see_ends(m, d):
-    """`tell_ends`, in a state that the motion really comes to: no stepper takes it back."""
+    """`tell_ends`, and of lines, in a state that the motion really comes to: no stepper takes it back."""
     if m.n_end_frame > 0:
         tell_ends(m, d)
+
+    if m.n_low > 0 and not sagging.all_told(m, d):
+        sagging.tell_low(m, d)
 
 
 @apart(int64(MODEL, DATA), "mbdfmi_complete")

@@ -12,7 +12,8 @@ from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64
-from . import stations
+from . import sea, stations, waves
+from .stations import HERE
 
 # Gauss points of a unit interval
 GAUSS = 0.21132486540518712
@@ -45,17 +46,33 @@ def wet_part(lower, upper):
 
 @inlined
 def water(m, d, when, n, r):
-    """(velocity m/s, acceleration m/s2) of the water at r (m, in O); n : station whose waves are felt there, below 0: none."""
+    """(velocity m/s, acceleration m/s2, pressure of waves by density m2/s2) of the water at r (m, in O).
+
+    n : station whose waves are felt there, HERE: those of r, else below 0: none.
+    """
+    if n == HERE:
+        p = stations.here(m, d, r[0], r[1], r[2])
+        return al.add(current_at(m, r[2]), (p[0], p[1], p[2])), (p[4], p[5], p[6]), p[3]
+
     if n < 0:
-        return current_at(m, r[2]), al.ZERO3
+        return current_at(m, r[2]), al.ZERO3, 0.0
 
     v, a = stations.moves(m, d, when, n)
-    return al.add(current_at(m, r[2]), v), a
+    return al.add(current_at(m, r[2]), v), a, stations.value(m, d, when, n, stations.PRESSURE)[0]
 
 
 @inlined
-def level(m, d, when, n):
-    """z of the surface (m) above station n: that of the waves where the water's motion reaches up to them, else 0."""
+def station(first, j):
+    """Station j of a member whose first is that, or what stands in its place."""
+    return first + j if first >= 0 else first
+
+
+@inlined
+def level(m, d, when, n, r):
+    """z of the surface (m) at r: that of the waves at its station n where the water's motion reaches up to them, else 0."""
+    if n == HERE and m.sea_water[3] != 0.0:
+        return sea.elevation(m, d, r[0], r[1])
+
     if n < 0 or m.sea_water[3] == 0.0:
         return 0.0
 
@@ -75,13 +92,13 @@ def act(m, d, i, r, f, load):
 def along_length(m, d, k, when, n, i, r, axis):
     """Force by length (N/m) of the water at the point r of member k on body i; n : its station."""
     D = m.member_value[5 * k]
-    v, a = water(m, d, when, n, r)
+    v, a, pressure = water(m, d, when, n, r)
     u = al.sub(v, markers.point_velocity(m, d, i, r))
     u_n = al.axpy(-al.dot(u, axis), axis, u)
     f = al.scale(0.5 * m.member_density[k] * D * m.member_value[5 * k + 1] * al.norm(u_n), u_n)
     added = m.member_value[5 * k + 3]
 
-    if n >= 0 and added >= 0.0:
+    if n != -1 and added >= 0.0:
         a_n = al.axpy(-al.dot(a, axis), axis, a)
         f = al.axpy(0.25 * m.member_density[k] * math.pi * D * D * (1.0 + added), a_n, f)
 
@@ -92,13 +109,13 @@ def along_length(m, d, k, when, n, i, r, axis):
 def on_end(m, d, k, when, n, i, r, axis, side):
     """Force (N) on the disc at the wet end r of member k; side : 1 at the first end, -1 at the second."""
     D = m.member_value[5 * k]
-    v, a = water(m, d, when, n, r)
+    v, a, pressure = water(m, d, when, n, r)
     disc = 0.25 * m.member_density[k] * math.pi * D * D
     u_a = al.dot(al.sub(v, markers.point_velocity(m, d, i, r)), axis)
     f = 0.5 * disc * m.member_value[5 * k + 2] * abs(u_a) * u_a
 
-    if n >= 0 and m.member_value[5 * k + 3] >= 0.0:
-        f += side * disc * stations.value(m, d, when, n, stations.PRESSURE)[0]
+    if n != -1 and m.member_value[5 * k + 3] >= 0.0:
+        f += side * disc * pressure
         f += disc * D / 3.0 * m.member_value[5 * k + 4] * al.dot(a, axis)
 
     return al.scale(f, axis)
@@ -120,29 +137,34 @@ def drag(m, d, k):
 
     if first >= 0:
         when = stations.now(m, d)
+    elif first == HERE:
+        waves.ready(m, d)
 
     for j in range(sections):
-        n = first + 2 * j if first >= 0 else -1
+        n = station(first, 2 * j)
         low = start[2] + way[2] * j / sections
         high = start[2] + way[2] * (j + 1) / sections
-        surface = level(m, d, when, n)
+        surface = 0.0
 
-        if first >= 0:
-            surface = 0.5 * (surface + level(m, d, when, n + 1))
+        if first != -1:
+            r = al.axpy((j + GAUSS) / sections, way, start)
+            surface = level(m, d, when, n, r)
+            r = al.axpy((j + 1.0 - GAUSS) / sections, way, start)
+            surface = 0.5 * (surface + level(m, d, when, station(first, 2 * j + 1), r))
 
         begin, last = wet_part(low - surface, high - surface)
 
         for g in range(2 if begin < last else 0):
             part = begin + (last - begin) * (GAUSS if g == 0 else 1.0 - GAUSS)
             r = al.axpy((j + part) / sections, way, start)
-            f = along_length(m, d, k, when, n + g if first >= 0 else -1, i, r, axis)
+            f = along_length(m, d, k, when, station(first, 2 * j + g), i, r, axis)
             load = act(m, d, i, r, al.scale(0.5 * (last - begin) * length / sections, f), load)
 
     for j in range(2):
-        n = first + 2 * sections + j if first >= 0 else -1
+        n = station(first, 2 * sections + j)
         r = start if j == 0 else end
 
-        if r[2] <= level(m, d, when, n):
+        if r[2] <= level(m, d, when, n, r):
             load = act(m, d, i, r, on_end(m, d, k, when, n, i, r, axis, 1.0 - 2.0 * j), load)
 
     moment, force, power = load

@@ -1,6 +1,6 @@
 """What the waves that a body makes, and that it made before, do to it: linear memory by states (docs/theory.md 16.16).
 
-x' = A x + B V, force on the body = -C x, V = (v_P, omega) of its marker P in inertial axes. A stands in pairs (sigma, omega) and
+x' = A x + B V, force on the body = -C x, V = (v_P, omega) of its marker P, all in axes of water_axes.py. A stands in pairs (sigma, omega) and
 single poles: x_j' = sigma_j x_j + omega_j x_mate + B_j . V, omega of the two of a pair being of opposite sign and 0 of a single one.
 Bodies that feel each other's waves share their states, each with rows of B and C of its own, and stand one after the other.
 The states follow the angles outside the tree in z.
@@ -9,6 +9,7 @@ The states follow the angles outside the tree in z.
 from ..language import inlined
 from ..math import algebra as al
 from ..motion import markers
+from . import water_axes
 
 
 @inlined
@@ -46,8 +47,7 @@ def state_rates(m, d):
 
     for k in range(m.n_radiation):
         b = m.radiation_marker[k]
-        v = markers.velocity(m, d, b)
-        w = markers.angular_velocity(m, d, b)
+        v, w = water_axes.motion(m, d, m.radiation_axes[k], b)
         begin = m.radiation_memory[k]
         row = m.radiation_row[k] - begin
         leads = is_first(m, k)
@@ -76,7 +76,7 @@ def wrench(m, d, k):
         force = al.axpy(x, al.vec3(m.memory_to, 2 * (row + j)), force)
         moment = al.axpy(x, al.vec3(m.memory_to, 2 * (row + j) + 1), moment)
 
-    return moment, force
+    return water_axes.out(m, d, m.radiation_axes[k], m.radiation_marker[k], moment, force)
 
 
 @inlined

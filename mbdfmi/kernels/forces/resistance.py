@@ -1,12 +1,13 @@
 """Damping of floating bodies beside the waves that they make (docs/theory.md 16.16).
 
-F_i = -sum over j of (B_ij + Q_ij |V_j|) V_j with V = (v_P, omega) of the marker P, force and moment about it, inertial axes.
+F_i = -sum over j of (B_ij + Q_ij |V_j|) V_j with V = (v_P, omega) of the marker P, force and moment about it, in axes
+of water_axes.py.
 """
 
 from ..language import inlined
 from ..math import algebra as al
 from ..motion import markers
-from . import six_by_six
+from . import six_by_six, water_axes
 
 
 @inlined
@@ -19,11 +20,11 @@ def by_size(v):
 def wrench(m, d, k):
     """Of element k on its body at its marker: (moment N m, force N), inertial axes."""
     b = m.resistance_marker[k]
-    v = markers.velocity(m, d, b)
-    w = markers.angular_velocity(m, d, b)
+    v, w = water_axes.motion(m, d, m.resistance_axes[k], b)
     force, moment = six_by_six.six_times(m.resistance_linear, k, v, w)
     more_force, more_moment = six_by_six.six_times(m.resistance_quadratic, k, by_size(v), by_size(w))
-    return al.neg(al.add(moment, more_moment)), al.neg(al.add(force, more_force))
+    moment = al.neg(al.add(moment, more_moment))
+    return water_axes.out(m, d, m.resistance_axes[k], b, moment, al.neg(al.add(force, more_force)))
 
 
 @inlined

@@ -1,16 +1,16 @@
-"""How the waves of the sea move the water at stations, points that stand still where members start (docs/theory.md 16.19).
+"""How the waves of the sea move the water at stations, points that stand still where members start, and anywhere (docs/theory.md 16.19).
 
 Of each: velocity of the water (m/s), its pressure by density (m2/s2), elevation above it (m). Linear waves: velocities along the
 way that a wave travels k g a / omega C cos(theta), upwards -k g a / omega S sin(theta), pressure g a C cos(theta), with
 C, S = cosh, sinh(k (z + depth)) / cosh(k depth). Above the mean surface those of z = 0, or, stretched (Wheeler 1970), everywhere
 those of z' = depth (z - eta) / (depth + eta). Sums of hundreds of components are kept at knots of time with their rates, and
-between two there is a quintic, as in `waves`.
+between two there is a quintic, as in `waves`. Where members feel the waves of where they are, it is the plain sum.
 """
 
 import math
 
 from ..language import apart, inlined
-from ..signatures import DATA, MODEL, int64, void
+from ..signatures import DATA, MODEL, Tuple, float64, int64, void
 from . import waves
 
 RING = 8
@@ -27,6 +27,11 @@ VELOCITY = 0
 PRESSURE = 3
 ELEVATION = 4
 
+# in the place of a station: the waves of where a point is
+HERE = -2
+
+PLACE = Tuple((float64,) * 8)
+
 
 @inlined
 def step(d):
@@ -35,10 +40,8 @@ def step(d):
 
 
 @inlined
-def fill_elevation(m, d, n, t, at):
-    """Elevation and its rate above station n at time t; cosine and sine of each component there."""
-    x = m.station_r[3 * n]
-    y = m.station_r[3 * n + 1]
+def rise(m, d, x, y, t):
+    """(elevation m, its rate m/s) at x, y at time t; cosine and sine of each component there."""
     above = 0.0
     rate = 0.0
 
@@ -53,8 +56,7 @@ def fill_elevation(m, d, n, t, at):
         above += d.sea_wave[a] * c
         rate -= d.sea_wave[a] * omega * s
 
-    d.station_knot[at + ELEVATION] = above
-    d.station_knot[at + 5 + ELEVATION] = rate
+    return above, rate
 
 
 @inlined
@@ -76,15 +78,18 @@ def depth_of(m, z, above, rate):
 
 
 @inlined
-def fill_motion(m, d, n, at):
-    """What moves at station n, its elevation known."""
-    above = d.station_knot[at + ELEVATION]
-    z, sinking = depth_of(m, m.station_r[3 * n + 2], above, d.station_knot[at + 5 + ELEVATION])
+def motion(m, d, z, above, rate):
+    """(velocity and pressure by density, their rates), four numbers each, at z under an elevation and its rate, of `rise`."""
+    z, sinking = depth_of(m, z, above, rate)
     g = m.sea_water[1]
-
-    for i in range(4):
-        d.station_knot[at + i] = 0.0
-        d.station_knot[at + 5 + i] = 0.0
+    x = 0.0
+    y = 0.0
+    w = 0.0
+    pressure = 0.0
+    x_rate = 0.0
+    y_rate = 0.0
+    w_rate = 0.0
+    pressure_rate = 0.0
 
     for p in range(m.n_sea_wave):
         a = 7 * p
@@ -103,15 +108,25 @@ def fill_motion(m, d, n, at):
         up = -k / omega * S * s
         up_rate = -k / omega * (omega * S * c + k * C * sinking * s)
 
-        for i in range(2):
-            along = d.sea_wave[a + 3 + i] / omega
-            d.station_knot[at + i] += along * C * c
-            d.station_knot[at + 5 + i] += along * p_rate
+        along = d.sea_wave[a + 3] / omega
+        x += along * C * c
+        x_rate += along * p_rate
+        along = d.sea_wave[a + 4] / omega
+        y += along * C * c
+        y_rate += along * p_rate
+        w += up
+        w_rate += up_rate
+        pressure += C * c
+        pressure_rate += p_rate
 
-        d.station_knot[at + 2] += up
-        d.station_knot[at + 7] += up_rate
-        d.station_knot[at + PRESSURE] += C * c
-        d.station_knot[at + 5 + PRESSURE] += p_rate
+    return x, y, w, pressure, x_rate, y_rate, w_rate, pressure_rate
+
+
+@apart(PLACE(MODEL, DATA, float64, float64, float64))
+def here(m, d, x, y, z):
+    """The same at a place (m, in O) now."""
+    above, rate = rise(m, d, x, y, d.now[0])
+    return motion(m, d, z, above, rate)
 
 
 @inlined
@@ -134,9 +149,14 @@ def fill_knot(m, d, j, slot):
             d.station_knot[at + ELEVATION] = d.station_knot[at - PER_KNOT + ELEVATION]
             d.station_knot[at + 5 + ELEVATION] = d.station_knot[at - PER_KNOT + 5 + ELEVATION]
         else:
-            fill_elevation(m, d, n, t, at)
+            above, rate = rise(m, d, m.station_r[3 * n], m.station_r[3 * n + 1], t)
+            d.station_knot[at + ELEVATION] = above
+            d.station_knot[at + 5 + ELEVATION] = rate
 
-        fill_motion(m, d, n, at)
+        p = d.station_knot
+        moved = motion(m, d, m.station_r[3 * n + 2], p[at + ELEVATION], p[at + 5 + ELEVATION])
+        p[at], p[at + 1], p[at + 2], p[at + 3] = moved[0], moved[1], moved[2], moved[3]
+        p[at + 5], p[at + 6], p[at + 7], p[at + 8] = moved[4], moved[5], moved[6], moved[7]
 
     d.sea_known[6 + slot] = 2.0 * j + 1.0
 

@@ -6,7 +6,8 @@ components is dear, so its value and three derivatives are kept at knots j D of 
 is a polynomial of degree 7. What a knot holds depends on its time and on parameters alone: what is kept in scratch changes no result.
 
 Where waves meet a body where it is, and not where it starts, each component lags by k . (p - p_0), p its marker's place now: that
-is the plain sum, anew at each evaluation.
+is the plain sum, anew at each evaluation. Where loads turn with the body (water_axes.py), heading less yaw is what counts: of each
+component what it does is kept at the headings of the file, cubic between them, and the sum is in the axes of the body's yaw.
 """
 
 import math
@@ -15,7 +16,7 @@ from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64, void
-from . import sea
+from . import sea, water_axes
 
 RING = 8
 PER_KNOT = 24
@@ -36,7 +37,10 @@ def ready(m, d):
         sea.make(m, d)
 
         for k in range(m.n_excitation):
-            make_parts(m, d, k)
+            if m.excitation_turns[k] < 0:
+                make_parts(m, d, k)
+            else:
+                make_heading_parts(m, d, k)
 
 
 @inlined
@@ -101,6 +105,53 @@ def share(m, first, n, x):
     return j, weights(t, h)
 
 
+@inlined
+def arriving(m, d, k, p):
+    """(real, imaginary) amplitude (m) of component p at time 0 where excitation k is told to be."""
+    way = d.sea_wave[7 * p + 3] * m.excitation_place[2 * k]
+    way += d.sea_wave[7 * p + 4] * m.excitation_place[2 * k + 1]
+    phase = d.sea_wave[7 * p + 2] - way
+    return d.sea_wave[7 * p] * math.cos(phase), d.sea_wave[7 * p] * math.sin(phase)
+
+
+@inlined
+def at_frequency(m, q, headings, n, along, i):
+    """Number i of a point, of values or derivatives by heading, between two frequencies, whose derivatives stand 12 behind.
+
+    q : where the point at the lower frequency stands; of n frequencies, with weights `along`.
+    """
+    found = along[0] * m.point_force[q + i] + along[1] * m.point_force[q + 12 + i]
+
+    if n > 1:
+        q += 48 * headings
+        found += along[2] * m.point_force[q + i] + along[3] * m.point_force[q + 12 + i]
+
+    return found
+
+
+@apart(void(MODEL, DATA, int64))
+def make_heading_parts(m, d, k):
+    """What the components of excitation k do as they arrive at its place, at all headings of the file, in axes that turn with it."""
+    first = m.excitation_grid[4 * k]
+    n = m.excitation_grid[4 * k + 1]
+    headings = m.excitation_grid[4 * k + 2]
+
+    for p in range(m.n_sea_wave):
+        j, along = share(m, first, n, d.sea_wave[7 * p + 1])
+        c, s = arriving(m, d, k, p)
+
+        for l in range(headings):
+            q = 48 * (m.excitation_grid[4 * k + 3] + headings * j + l)
+            at = 24 * (m.excitation_turns[k] + headings * p + l)
+
+            for i in range(6):
+                for slope in range(2):
+                    re = at_frequency(m, q, headings, n, along, 24 * slope + i)
+                    im = at_frequency(m, q, headings, n, along, 24 * slope + 6 + i)
+                    d.heading_force[at + 12 * slope + i] = re * c - im * s
+                    d.heading_force[at + 12 * slope + 6 + i] = re * s + im * c
+
+
 @apart(void(MODEL, DATA, int64))
 def make_parts(m, d, k):
     """F_k of the components of excitation k, as they arrive at its place."""
@@ -112,10 +163,7 @@ def make_parts(m, d, k):
         heading = heading_known(m, k, m.sea_value[2] + m.sea_unit[4 * p + 3])
         j, along = share(m, first, n, d.sea_wave[7 * p + 1])
         l, across = share(m, first + n, headings, heading)
-        way = d.sea_wave[7 * p + 3] * m.excitation_place[2 * k]
-        way += d.sea_wave[7 * p + 4] * m.excitation_place[2 * k + 1]
-        c = d.sea_wave[7 * p] * math.cos(d.sea_wave[7 * p + 2] - way)
-        s = d.sea_wave[7 * p] * math.sin(d.sea_wave[7 * p + 2] - way)
+        c, s = arriving(m, d, k, p)
         at = 12 * (m.n_sea_wave * k + p)
 
         for i in range(6):
@@ -204,12 +252,26 @@ def between(p, a, b, i, s):
     return y + s * (v + s * (c + s * (e + s * (c4 + s * (c5 + s * (c6 + s * c7))))))
 
 
+@inlined
+def follows(m, k):
+    """Whether waves meet element k where it is."""
+    return m.n_follow > 0 and m.excitation_follows[k] == 1
+
+
+@inlined
+def strayed(m, d, k):
+    """(x, y) of the marker of element k from where phases are told about (m); 0 of one that does not follow."""
+    if not follows(m, k):
+        return 0.0, 0.0
+
+    r = markers.position(m, d, m.excitation_marker[k])
+    return r[0] - m.follow_place[2 * k], r[1] - m.follow_place[2 * k + 1]
+
+
 @apart(WRENCH(MODEL, DATA, int64))
 def sum_where_it_is(m, d, k):
     """Force (N) and moment (N m) on element k now by all components, whose phases are those at its marker."""
-    r = markers.position(m, d, m.excitation_marker[k])
-    x = r[0] - m.follow_place[2 * k]
-    y = r[1] - m.follow_place[2 * k + 1]
+    x, y = strayed(m, d, k)
     force = al.ZERO3
     moment = al.ZERO3
 
@@ -224,16 +286,54 @@ def sum_where_it_is(m, d, k):
     return force[0], force[1], force[2], moment[0], moment[1], moment[2]
 
 
-@inlined
-def follows(m, k):
-    """Whether waves meet element k where it is."""
-    return m.n_follow > 0 and m.excitation_follows[k] == 1
+@apart(WRENCH(MODEL, DATA, int64))
+def sum_as_it_heads(m, d, k):
+    """Force (N) and moment (N m) on element k now by all components, of their headings less its yaw."""
+    headings = m.excitation_grid[4 * k + 2]
+    cosine, sine = water_axes.heading(markers.axes(m, d, m.excitation_marker[k]))
+    yaw = math.atan2(sine, cosine)
+    x, y = strayed(m, d, k)
+    l = 0
+    across = (1.0, 0.0, 0.0, 0.0)
+    force = al.ZERO3
+    moment = al.ZERO3
+
+    for p in range(m.n_sea_wave):
+        # most seas travel one way
+        if p == 0 or m.sea_unit[4 * p + 3] != m.sea_unit[4 * p - 1]:
+            beside = heading_known(m, k, m.sea_value[2] + m.sea_unit[4 * p + 3] - yaw)
+            l, across = share(m, m.excitation_grid[4 * k] + m.excitation_grid[4 * k + 1], headings, beside)
+
+        phase = d.sea_wave[7 * p + 1] * d.now[0] - d.sea_wave[7 * p + 3] * x - d.sea_wave[7 * p + 4] * y
+        c = math.cos(phase)
+        s = -math.sin(phase)
+
+        for b in range(2):
+            at = 8 * (m.excitation_turns[k] + headings * p + l + b)
+
+            for slope in range(2):
+                share_c = across[2 * b + slope] * c
+                share_s = across[2 * b + slope] * s
+                q = at + 4 * slope
+                force = al.axpy(share_c, al.vec3(d.heading_force, q), force)
+                moment = al.axpy(share_c, al.vec3(d.heading_force, q + 1), moment)
+                force = al.axpy(share_s, al.vec3(d.heading_force, q + 2), force)
+                moment = al.axpy(share_s, al.vec3(d.heading_force, q + 3), moment)
+
+    A = water_axes.turned(cosine, sine)
+    force = al.mat_vec(A, force)
+    moment = al.mat_vec(A, moment)
+    return force[0], force[1], force[2], moment[0], moment[1], moment[2]
 
 
 @inlined
 def wrench(m, d, k):
     """Of element k on its body at its marker now: (moment N m, force N), inertial axes."""
     ready(m, d)
+
+    if m.excitation_turns[k] >= 0:
+        f = sum_as_it_heads(m, d, k)
+        return (f[3], f[4], f[5]), (f[0], f[1], f[2])
 
     if follows(m, k):
         f = sum_where_it_is(m, d, k)

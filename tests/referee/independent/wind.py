@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
+from scipy.spatial.transform import Rotation
 
 from .elements import Six, matrix6
 from .interpolation import Table
@@ -103,7 +104,10 @@ class WaveMaker(Six):
 
     def __init__(self, given, name, force, sea):
         spec = force["hydrodynamics"]
-        table = {"added_mass": self._infinite(spec, sea.get("density", 1025.0))}
+        table = {
+            "added_mass": self._infinite(spec, sea.get("density", 1025.0)),
+            "axes": spec.get("axes", "first"),
+        }
         super().__init__(given, f"{name} water", {"linear": table, "between": ["inertial", force["on"]]})
         self.name, self.kind, self.spec = name, "hydrodynamics", spec
         self.resists = [
@@ -126,9 +130,11 @@ class WaveMaker(Six):
         """At an instant."""
         now.add_six(self)
         self.told = {}
-        _, _, v, w = now.frame(self.ends[1])
-        V = np.concatenate([v, w])
-        force, moment = np.split(-self.resists[0] @ V - self.resists[1] @ (np.abs(V) * V), 2)
+        _, A, v, w = now.frame(self.ends[1])
+        _, _, z, real = Rotation.from_matrix(A).as_quat()
+        own = np.kron(np.eye(2), self.own_axes(A, 2 * np.arctan2(z, real)))
+        V = own.T @ np.concatenate([v, w])
+        force, moment = np.split(own @ (-self.resists[0] @ V - self.resists[1] @ (np.abs(V) * V)), 2)
         power = now.push(self.ends[1], force, moment)
         now.dissipated -= power
         self.told = {"damping_force": force, "damping_moment": moment, "damping_power": power}

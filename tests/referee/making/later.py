@@ -34,6 +34,8 @@ def add(seed, mechanism, forces, gravity):
     if "the radiation" in forces:
         water.feel(Dice(seed, 21), forces["the radiation"], gravity.get("sea", {}))
 
+    water.head(Dice(seed, 23), forces, gravity.get("sea", {}))
+
     if mechanism.taste["sea"] or Dice(seed, 12).chance(0.07):
         water.blow(Dice(seed, 13), mechanism, forces, gravity)
         water.gust(Dice(seed, 22), gravity["wind"])

@@ -235,6 +235,18 @@ def feel(dice, force, sea):
         options["position"] = dice.pick(["now", "now", "mean"])
 
 
+def head(dice, forces, sea):
+    """Maybe axes that turn with a body that makes waves, and a member that waves meet where it is."""
+    if "the radiation" in forces and dice.chance(0.5):
+        options = forces["the radiation"]["hydrodynamics"]
+        loaded = "waves" in sea and options.get("excitation", True) is True
+        options["axes"] = dice.pick(["first", "heading"] if loaded else ["heading", "body"])
+
+    if "the pile" in forces and "waves" in sea and dice.chance(0.6):
+        pile = forces["the pile"]["member"]
+        pile |= {"position": dice.pick(["now", "now", "mean"])} if pile.get("waves", True) else {}
+
+
 def _pulls_back(dice):
     """A symmetric matrix that takes energy, by rows."""
     half = np.array([dice.numbers(6, -0.5, 0.5) for _ in range(6)])
