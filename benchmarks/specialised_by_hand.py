@@ -3,7 +3,8 @@
     python -m benchmarks.specialised_by_hand
 
 ns of an evaluation (CPU time, the least of some rounds, contestants in turn), both compiled so that bits are
-kept, and both with -ffast-math -march=native; with parameters that stay tunable, and with all bound.
+kept, as a scene's own library is, and both with -ffast-math -march=native; with parameters that stay tunable,
+and with all bound.
 """
 
 import ctypes
@@ -17,6 +18,7 @@ import numpy as np
 
 import mbdfmi
 from mbdfmi.export.core import PREAMBLE
+from mbdfmi.export.specialise import SCALARS
 from mbdfmi.run.instance import Instance
 from mbdfmi.trace import searches
 from mbdfmi.trace.binding import bound
@@ -28,7 +30,7 @@ from .peers_by_hand import SYSTEMS, ByHandRun
 from .problems import PROBLEMS
 
 WAYS = {
-    "bits kept": ("-O3", "-ffp-contract=off", "-fno-math-errno"),
+    "bits kept": ("-O3", "-ffp-contract=off", "-fno-math-errno", *SCALARS),
     "fast": ("-O3", "-ffast-math", "-march=native"),
 }
 EVALUATIONS = 20_000

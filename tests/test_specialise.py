@@ -207,7 +207,8 @@ def test_a_parameter_that_was_zero_and_is_not_goes_to_the_generic_kernel():
     ("integrator", "fmi", "most"),
     [
         ("rk4", 2, 45),
-        pytest.param("rk4", 3, 45.1, marks=pytest.mark.long),
+        pytest.param("rk4", 3, 45, marks=pytest.mark.long),
+        pytest.param("auto", 3, 70, marks=pytest.mark.long),
         pytest.param("auto", 2, 70, marks=pytest.mark.long),
     ],
 )

@@ -12,9 +12,11 @@ from ..kernels.entry import ENTRIES
 from ..kernels.signatures import DATA, MODEL, REALS, float64, int64
 from ..trace import searches
 from ..trace.graph import REAL
+from ..trace.once import FORGOTTEN, forgetting
+from ..trace.places import SELDOM
 from ..trace.plain import plain_function
 from ..trace.program import shapes
-from ..trace.program.functions import Program
+from ..trace.program.functions import RUN, Program
 from ..trace.program.layout_c import words
 from ..trace.specialise import Traced
 from . import header
@@ -44,7 +46,9 @@ def core(model, traced: Sequence[Traced] = ()) -> str:
 
     traced : kernels that their traces stand for; those that the scene calls are written.
     """
-    program = Program(model.ints, {each.kernel: each.name for each in traced})
+    keeps = any(each.once[1] for each in traced)
+    forgets = dict.fromkeys(SELDOM, f"{FORGOTTEN}({RUN});") if keeps else {}
+    program = Program(model.ints, {each.kernel: each.name for each in traced}, forgets)
     # under the names that traces call them by, before kernels do
     searches.called(program, searches.FUNCTIONS_OF)
     entries = [program.add(plain_function(kernel), _arguments(kernel)) for kernel in ENTRIES.values()]
@@ -63,6 +67,7 @@ def core(model, traced: Sequence[Traced] = ()) -> str:
     ]
     declared, functions = program.text(wanted, "\n".join(behind))
     parts = [f"/* {model.name}: written by mbdfmi from the kernels that simulate it. */", PREAMBLE]
+    parts += [forgetting(place for each, place in zip(found, places) if each.once[1])] if keeps else []
     parts += [declared, *(f"{each.head};" for each in found), functions, *behind]
     return "\n\n".join(part for part in parts if part) + "\n"
 

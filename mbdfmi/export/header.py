@@ -117,9 +117,11 @@ typedef struct {{
 
 #define ONCE (-1)
 
+#ifndef MBDFMI_ONE_SCENE
 /* The arrays, in the order of their offsets. */
 static const Array ARRAYS[HEADER_LENGTH - N_COUNT] = {{
-{"".join(rows)}}};"""
+{"".join(rows)}}};
+#endif"""
 
 
 def _statuses() -> str:

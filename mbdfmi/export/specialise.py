@@ -48,11 +48,19 @@ MOST_FAILING = 0.25
 _SECTIONS = ("-ffunction-sections", "-fdata-sections")
 _NO_UNWINDING = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 
-FLAGS = ("-O3", "-fno-math-errno", *_SECTIONS)
+FLAGS = ("-O3", "-fno-math-errno", "-fomit-frame-pointer", *_SECTIONS)
 """Of the compiler: square roots without a look at `errno`, each function by itself."""
 
-WRAPPER_FLAGS = ("-Os", *_SECTIONS)
-"""Of the compiler, for the wrapper, whose time does not count."""
+SCALARS = ("-fno-slp-vectorize",)
+"""Besides, where all that takes time is traced: a compiler that packs two numbers of straight-line code into one
+register shuffles more than it gains (four-bar a fifth, pendulum a half of a run's time), but for loops over vectors.
+"""
+
+MOST_OF_SCALARS = 2000
+"""Operations of x' = f up to which that holds: packed, longer code is shorter, and fits the instruction cache."""
+
+WRAPPER_FLAGS = ("-Os", "-Xclang", "-Oz", "-fomit-frame-pointer", *_SECTIONS)
+"""Of the compiler, for the wrapper, whose time does not count (zig takes -Oz for -Os)."""
 
 UNCALLED = {".so": ("-Wl,--gc-sections", "-Wl,--hash-style=gnu"), ".dylib": ("-Wl,-dead_strip",)}
 """Of the linker, by the ending of a library: nothing that nobody calls, one table of names, not two."""
@@ -61,11 +69,12 @@ UNCALLED = {".so": ("-Wl,--gc-sections", "-Wl,--hash-style=gnu"), ".dylib": ("-W
 @dataclass(frozen=True)
 class Own:
     """What is a scene's own. traced : its kernels, x' = f first; none where the generic ones are better. told : in
-    words.
+    words. is_straight : whether `SCALARS` are for it.
     """
 
     traced: tuple[Traced, ...]
     told: str
+    is_straight: bool = False
 
 
 def own(model) -> Own:
@@ -95,7 +104,9 @@ def own(model) -> Own:
         if why_not and not chosen:
             return Own((), f"{what} is not traced: {why_not}")
 
-    return Own(tuple(chosen), f"traced are {', '.join(told)}")
+    projects = not instance.m.n_row or any(each.kernel is PROJECTION for each in chosen)
+    is_straight = projects and chosen[0].operations <= MOST_OF_SCALARS
+    return Own(tuple(chosen), f"traced are {', '.join(told)}", is_straight)
 
 
 def _worth(instance):
@@ -183,10 +194,12 @@ def scene_library(
     suffix = PLATFORMS[platform].suffix
     # tables for exceptions, which C has none of: on Windows its own library has
     less = _NO_UNWINDING if suffix in UNCALLED else ()
-    flags = (*WRAPPER_FLAGS, *less, *UNCALLED.get(suffix, ()))
+    own_flags = (*FLAGS, *(SCALARS if found.is_straight else ()))
+    # fmu_src/resource.c
+    flags = (*WRAPPER_FLAGS, "-DMBDFMI_ONE_SCENE", *less, *UNCALLED.get(suffix, ()))
     # fmu_src/rest.c
     flags += () if model.rest else ("-DMBDFMI_WITHOUT_REST",)
-    made_of = (link.wrapper_hash(), model.guid, text, str(fmi), *FLAGS, *flags)
+    made_of = (link.wrapper_hash(), model.guid, text, str(fmi), *own_flags, *flags)
     digest = hashlib.sha256("\0".join(made_of).encode()).hexdigest()[:20]
     path = cache_directory() / "scenes" / f"{digest}-{platform}{suffix}"
 
@@ -196,6 +209,6 @@ def scene_library(
         with tempfile.TemporaryDirectory() as name, replacing(path) as file:
             source = Path(name) / "scene.c"
             source.write_text(text, encoding="utf-8")
-            link.link(PLATFORMS[platform], [source], file, table, (*FLAGS, *less), flags, fmi)
+            link.link(PLATFORMS[platform], [source], file, table, (*own_flags, *less), flags, fmi)
 
     return path

@@ -1,7 +1,8 @@
 """What a trace computes that does not change in a run: from parameters, and what is prepared of them, alone.
 
 It is computed when a trace is first called in a step of communication, and kept in `run->once`; so are the
-guards that rest on nothing else. Parameters that stay tunable then cost hardly more than those bound.
+guards that rest on nothing else. Parameters that stay tunable then cost hardly more than those bound. What
+changes seldom (`places.SELDOM`) is taken for such too: where a kernel writes to it, all is forgotten.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -9,7 +10,7 @@ from typing import Any
 
 from .c99 import C99
 from .graph import REAL, Graph
-from .places import PREPARED, places_of
+from .places import PREPARED, SELDOM, places_of
 from .record import Guard
 from .write import Body, Places
 
@@ -20,7 +21,7 @@ yet."""
 
 def stillness(model) -> Callable[[Any], bool]:
     """Whether a leaf, by its name, does not change while a model runs."""
-    of_state = places_of(model, PREPARED)
+    of_state = places_of(model, (*PREPARED, *SELDOM))
     return lambda about: about[0] == "reals" or (about[0] == "state" and about[1] in of_state)
 
 
@@ -37,6 +38,20 @@ def still_nodes(graph: Graph, is_still: Callable[[Any], bool]) -> list[bool]:
             found.append(all(found[a] for a in node.args))
 
     return found
+
+
+FORGOTTEN = "forget_once"
+"""What forgets it, in C: a macro that takes the run."""
+
+
+def forgetting(places: Iterable[int]) -> str:
+    """That macro. places : where the numbers of each trace begin."""
+    kept = [f"(run)->once[{place}] = " for place in places]
+    return (
+        f"#define {FORGOTTEN}(run) ({''.join(kept)}0.0)"
+        if kept
+        else f"#define {FORGOTTEN}(run) ((void)(run))"
+    )
 
 
 class Once:

@@ -44,6 +44,12 @@ def tunable(model) -> set[int]:
     return {v.index for v in model.of_causality("parameter")}
 
 
+SELDOM = ("row_redundant", "lends", "loose")
+"""What stands in the state and changes in a run, but not in an evaluation: which rows follow from others, and
+whether inertia is lent. A scene's own code forgets what it has computed once where a kernel writes to it.
+"""
+
+
 class Everywhere:
     """All places of a buffer."""
 

@@ -21,6 +21,7 @@ from .places import (
     GIVEN_WORK,
     KEPT_WORK,
     PREPARED,
+    SELDOM,
     STILL_WORK,
     TIME_WORK,
     Everywhere,
@@ -244,6 +245,12 @@ class Writing:
         of_work = places_of(self.model, names)
         state, work = self.tracer.written("state").items(), self.tracer.written("work").items()
         found = [(read(("state", j)), k) for j, k in state if known.get(j) != k]
+        seldom = places_of(self.model, SELDOM)
+
+        # what is computed once of it would not be forgotten
+        if any(j in seldom for j, _ in state):
+            raise Untraceable("which rows are redundant, or what is lent, changes")
+
         return found + [(read(("work", j)), k) for j, k in work if j in of_work]
 
     def left(self, counter: str, k: int = 0) -> str:

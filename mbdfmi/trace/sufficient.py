@@ -3,9 +3,10 @@
 Most of what kernels ask in every evaluation is far from being in question: whether inertia about a joint is
 more than rounding, whether a row of a loop adds anything to the rows before it. To ask it exactly, sums are
 needed that nothing else needs, of what things could be at most. Here these sums take bounds that do not
-change in a run: absolute values are added where the kernel adds and subtracts, sines and cosines are 1, and
-what is left follows from parameters alone, and is computed once (`once.py`). Rounding does not matter:
-rounded sums and products of larger numbers are not smaller.
+change in a run: absolute values are added where the kernel adds and subtracts, sines and cosines are 1, so
+are squares beside a sum that they are in (rotation matrices by Euler parameters), and what is left follows
+from parameters alone, and is computed once (`once.py`). Rounding does not matter: rounded sums and products
+of larger numbers are not smaller.
 
 Where such a guard fails the kernel itself is called, as where any guard fails.
 """
@@ -26,6 +27,10 @@ POSITIVE = ("joints.", "math.algebra.")
 
 ONE = 1.0 + 2.0**-52
 """Sines and cosines are not more, however a mathematics library rounds."""
+
+RATIO = 1.0 + 2.0**-46
+"""x^2 / (x^2 + y^2 + ...) is not more, nor twice x y / (x^2 + y^2 + ...), nor d (x / d)^2 beside x^2 / d,
+however they are rounded."""
 
 MOST = 1e300
 """Numbers below have reciprocals that are not 0."""
@@ -61,6 +66,7 @@ class _Bounds:
         self.most: dict[int, int] = {}
         self.least: dict[int, int] = {}
         self.seen = 0
+        self.is_behind = False
 
     def guards(self, guards: Sequence[Guard]) -> list[Guard]:
         """Cheaper ones."""
@@ -98,11 +104,13 @@ class _Bounds:
 
     def _see(self, until):
         """Bounds of all nodes up to one."""
-        for k in range(self.seen, until + 1):
-            if not self.still[k] and (most := self._most(k)) is not None:
+        # with what has become known of divisors
+        for k in range(0 if self.is_behind else self.seen, until + 1):
+            if not self.still[k] and k not in self.most and (most := self._most(k)) is not None:
                 self.most[k] = most
 
         self.seen = max(self.seen, until + 1)
+        self.is_behind = False
 
     def _absolute(self, k):
         """The node of what |k| is at most, or None."""
@@ -125,6 +133,11 @@ class _Bounds:
             above, below = self._absolute(node.args[0]), self._divisor(node.args[1])
             return None if above is None or below is None else graph.quotient(above, below)
 
+        if node.op == "*":
+            for known in (self._ratio(*node.args), self._part(*node.args)):
+                if known is not None:
+                    return known
+
         args = [self._absolute(a) for a in (node.args[1:] if node.op == "select" else node.args)]
 
         if None in args or not args:
@@ -143,6 +156,64 @@ class _Bounds:
                 return graph.extreme("max", *args)
 
         return None
+
+    def _ratio(self, a, b):
+        """The node of what |x y c / (x^2 + y^2 + ...)| is at most, for a = x and b = y c / (...), or None."""
+        for x, other in ((a, b), (b, a)):
+            node = self.graph.nodes[other]
+
+            for y, quotient in (node.args, node.args[::-1]) if node.op == "*" else ():
+                divided = self.graph.nodes[quotient]
+
+                if (
+                    divided.op == "/"
+                    and self.still[divided.args[0]]
+                    and {x, y} <= self._squared(divided.args[1])
+                ):
+                    part = self.graph.constant(RATIO if x == y else 0.5 * RATIO)
+                    return self.graph.product(part, self.graph.absolute(divided.args[0]))
+
+        return None
+
+    def _part(self, a, b):
+        """The node of what |d l^2| is at most, for d and l^2 of l = x / d: x^2 / d; or None."""
+        for d, square in ((a, b), (b, a)):
+            node = self.graph.nodes[square]
+            divided = (
+                self.graph.nodes[node.args[0]] if node.op == "*" and node.args[0] == node.args[1] else None
+            )
+
+            if divided is not None and divided.op == "/" and divided.args[1] == d:
+                above, below = self._absolute(divided.args[0]), self._divisor(d)
+
+                if above is not None and below is not None:
+                    return self.graph.quotient(
+                        self.graph.product(self.graph.constant(RATIO), self.graph.product(above, above)),
+                        below,
+                    )
+
+        return None
+
+    def _squared(self, k):
+        """Nodes whose squares are added in a sum of squares; none where it is no such sum."""
+        node = self.graph.nodes[k]
+
+        if node.op == "+":
+            parts = [self._squared(a) for a in node.args]
+            return parts[0] | parts[1] if all(parts) else set()
+
+        return {node.args[0]} if node.op == "*" and node.args[0] == node.args[1] else set()
+
+    def _lower(self, k):
+        """The node of what k is at least, where that is positive, or None."""
+        node = self.graph.nodes[k]
+
+        if node.op == "*" and not self.still[k]:
+            args = [self._lower(a) for a in node.args]
+            return None if None in args else self.graph.product(*args)
+
+        found = k if self.still[k] else self.least.get(k)
+        return found if found is not None and self.graph.values[found] > 0.0 else None
 
     def _divisor(self, k):
         """The node of what |k| is at least, or None."""
@@ -188,13 +259,20 @@ class _Bounds:
             return [guard]
 
         small, large = node.args if guard.holds else reversed(node.args)
-        bound = self._raised(self._upper(small), large, guard.place)
+        upper, lower = self._upper(small), self._lower(large)
+
+        # what was asked before is enough
+        if upper is not None and lower is not None and MARGIN * graph.values[upper] <= graph.values[lower]:
+            return [Guard(graph.comparison("<", upper, lower), True, guard.place)]
+
+        bound = self._raised(upper, large, guard.place)
 
         if bound is None:
             return [guard]
 
         if not self.still[large] and graph.values[bound] > 0.0:
             self.least[large] = bound
+            self.is_behind = True
 
         return [Guard(graph.comparison("<", bound, large), True, guard.place)]
 

@@ -246,11 +246,18 @@ class Program:
     """Kernels in C for the structure of one model.
 
     ints : its structure, or None where kernels take no model. replaced : kernel -> name of a function of the
-    same arguments that stands for it, and is written elsewhere.
+    same arguments that stands for it, and is written elsewhere. behind : name of an array -> statement behind
+    each that writes to it.
     """
 
-    def __init__(self, ints: np.ndarray | None = None, replaced: Mapping[FunctionType, str] | None = None):
+    def __init__(
+        self,
+        ints: np.ndarray | None = None,
+        replaced: Mapping[FunctionType, str] | None = None,
+        behind: Mapping[str, str] | None = None,
+    ):
         self.types = Types()
+        self.behind = dict(behind or {})
         self.replaced = dict(replaced or {})
         self.functions: dict[tuple, Function] = {}
         self._names: dict[str, Function] = {}

@@ -5,7 +5,7 @@ import ast
 from ..graph import Untraceable
 from .expressions import UNKNOWN, Expressions, Text, plain
 from .layout_c import Block, Line
-from .shapes import ANY_INT, Number
+from .shapes import ANY_INT, Array, Number
 
 
 class Statements(Expressions):
@@ -77,7 +77,13 @@ class Statements(Expressions):
             return [Line(f"{name} = {found.text};", name, found.text, "=", found.acts)]
 
         place = self._written(target)
-        return [Line(f"{place.text} = {found.text};")] if place.shape else []
+        return [Line(f"{place.text} = {found.text};"), *self._behind(target)] if place.shape else []
+
+    def _behind(self, target):
+        """What is said of an array to come behind what is written to it."""
+        shape = self.expression(target.value).shape
+        name = shape.name if isinstance(shape, Array) else None
+        return [Line(self.program.behind[name])] if name in self.program.behind else []
 
     def _written(self, target):
         """A place of an array that is written to."""
@@ -156,7 +162,7 @@ class Statements(Expressions):
 
         place = self._written(target)
         sign = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}[type(op)]
-        return [Line(f"{place.text} {sign}= {value.text};")]
+        return [Line(f"{place.text} {sign}= {value.text};"), *self._behind(target)]
 
     def _return(self, node):
         if node is None:
