@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, ValidationInfo, model_validator
 
 from ..scene.errors import SceneError, show
-from ..scene.fields import Boolean, Number, OneOf, Part, Positive, given
+from ..scene.fields import Boolean, Number, OneOf, Part, Positive, given, left_out
 from ..scene.messages import problems_of
 from ..scene.names import Name, Title
 from .conversions import CONVERSION, WORDS
@@ -254,8 +254,8 @@ class SystemData(Part):
     link: Annotated[list[Link], BeforeValidator(_links)] = []
     record: list[str] | None = None
     bond: dict[Name, Bond] = {}
-    master: Master = Master()
-    run: Run = Run()
+    master: Master = left_out(Master)
+    run: Run = left_out(Run)
 
     @model_validator(mode="after")
     def _check_fmus(self):

@@ -11,7 +11,7 @@ from pydantic import model_validator
 from ..vocabulary import CONTACT_OUTPUTS, END_FRAME_AXES, PARAMETER_EFFORTS, PARAMETERS, REACTIONS
 from .efforts import ParameterDriver
 from .errors import show
-from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, unit_vector
+from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, left_out, unit_vector
 from .joint_base import Passive
 
 
@@ -93,7 +93,7 @@ class PointOnCurve(OnCurve):
     shapes: ClassVar[tuple] = ("curve", None)
 
     point_on_curve: Empty
-    start: CurveStart = CurveStart()
+    start: CurveStart = left_out(CurveStart)
     output: SomeOf(*PARAMETERS, *PARAMETER_EFFORTS, *END_FRAME_AXES, *REACTIONS) = []
 
 
@@ -104,7 +104,7 @@ class CurveOnCurve(Undriven):
     shapes: ClassVar[tuple] = ("curve", "curve")
 
     curve_on_curve: Empty
-    start: PairStart = PairStart()
+    start: PairStart = left_out(PairStart)
     output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
@@ -115,7 +115,7 @@ class PointOnSurface(Undriven):
     shapes: ClassVar[tuple] = ("surface", None)
 
     point_on_surface: Empty
-    start: PairStart = PairStart()
+    start: PairStart = left_out(PairStart)
     output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
@@ -152,7 +152,7 @@ class FrameOnCurve(OnCurve):
     shapes: ClassVar[tuple] = ("curve", None)
 
     frame_on_curve: FrameOnCurveOptions
-    start: CurveStart = CurveStart()
+    start: CurveStart = left_out(CurveStart)
     output: SomeOf(*PARAMETERS, *PARAMETER_EFFORTS, *END_FRAME_AXES, *REACTIONS) = []
 
     @property
@@ -175,7 +175,7 @@ class FrameOnSurface(Undriven):
     shapes: ClassVar[tuple] = ("surface", None)
 
     frame_on_surface: FrameOptions
-    start: PairStart = PairStart()
+    start: PairStart = left_out(PairStart)
     output: SomeOf(*PARAMETERS, *END_FRAME_AXES, *REACTIONS) = []
 
 
@@ -201,7 +201,7 @@ class SurfaceOnSurface(Undriven):
     shapes: ClassVar[tuple] = ("surface", "surface")
 
     surface_on_surface: Empty
-    start: SurfaceStart = SurfaceStart()
+    start: SurfaceStart = left_out(SurfaceStart)
     output: SomeOf(*PARAMETERS, *FORCES, *REACTIONS) = []
 
 
@@ -212,7 +212,7 @@ class RollingSurface(Undriven):
     shapes: ClassVar[tuple] = ("surface", "surface")
 
     rolling_surface: Empty
-    start: SurfaceStart = SurfaceStart()
+    start: SurfaceStart = left_out(SurfaceStart)
     output: SomeOf(*PARAMETERS, *CONTACT_OUTPUTS, *REACTIONS) = []
 
 

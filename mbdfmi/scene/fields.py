@@ -297,6 +297,12 @@ class _PartType(type(BaseModel)):
         except ValidationError as error:
             raise SceneError(problems_of(error, cls, kwargs)) from None
 
+    def __getattr__(cls, name):
+        # what help() and notebooks show of it, also before a scene has such a table
+        if name == "__signature__" and cls.model_rebuild():
+            return cls.__signature__
+        return super().__getattr__(name)
+
 
 class Part(BaseModel, metaclass=_PartType):
     """A table of a scene. What is assigned is checked at once, as if the part were made anew with it; None takes a key out.
@@ -421,6 +427,11 @@ def _is_given(part, key):
     if not (isinstance(value, (list, dict, Part)) and given(value)):
         return False
     return value != type(part).model_fields[key].default
+
+
+def left_out(cls):
+    """The part that is there by default, with nothing given. No validator is built for it: every command would wait."""
+    return cls.model_construct()
 
 
 class Empty(Part):

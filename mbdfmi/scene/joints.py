@@ -41,6 +41,7 @@ from .fields import (
     Part,
     SomeOf,
     by_key,
+    left_out,
     number_or,
     plane_axes,
     unit_vector,
@@ -141,7 +142,7 @@ class Revolute(Driveable):
     coordinates: ClassVar[tuple] = (ANGLE,)
 
     revolute: AxisOptions
-    start: RevoluteStart = RevoluteStart()
+    start: RevoluteStart = left_out(RevoluteStart)
     spring: AngularSpring | None = None
     damper: number_or(NotNegative, EffortDamper) = 0.0
     friction: Friction | None = None
@@ -163,7 +164,7 @@ class Prismatic(Driveable):
     coordinates: ClassVar[tuple] = (SLIDE,)
 
     prismatic: AxisOptions
-    start: PrismaticStart = PrismaticStart()
+    start: PrismaticStart = left_out(PrismaticStart)
     spring: LinearSpring | None = None
     damper: number_or(NotNegative, EffortDamper) = 0.0
     friction: Friction | None = None
@@ -187,7 +188,7 @@ class Screw(Plain):
     coordinates: ClassVar[tuple] = (SLIDE, ANGLE_BESIDE_SLIDE)
 
     screw: ScrewOptions
-    start: ScrewStart = ScrewStart()
+    start: ScrewStart = left_out(ScrewStart)
     input: SomeOf("torque", bare=True) = []
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
@@ -207,7 +208,7 @@ class Cylindrical(Plain):
     coordinates: ClassVar[tuple] = (SLIDE, ANGLE_BESIDE_SLIDE)
 
     cylindrical: AxisOptions
-    start: CylindricalStart = CylindricalStart()
+    start: CylindricalStart = left_out(CylindricalStart)
     input: SomeOf("force", "torque", bare=True) = []
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
@@ -233,7 +234,7 @@ class Universal(Plain):
     input: ClassVar[tuple] = ()
 
     universal: UniversalOptions
-    start: UniversalStart = UniversalStart()
+    start: UniversalStart = left_out(UniversalStart)
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
     @property
@@ -254,7 +255,7 @@ class Planar(Plain):
     input: ClassVar[tuple] = ()
 
     planar: NormalOptions
-    start: PlanarStart = PlanarStart()
+    start: PlanarStart = left_out(PlanarStart)
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
     @property
@@ -271,7 +272,7 @@ class Translation(Plain):
     input: ClassVar[tuple] = ()
 
     translation: Empty
-    start: TranslationStart = TranslationStart()
+    start: TranslationStart = left_out(TranslationStart)
     output: SomeOf(*coordinate_names(coordinates), *REACTIONS) = []
 
 
@@ -282,7 +283,7 @@ class Spherical(Plain):
     coordinates: ClassVar[tuple] = (ORIENTATION,)
 
     spherical: Empty
-    start: SphericalStart = SphericalStart()
+    start: SphericalStart = left_out(SphericalStart)
     input: SomeOf("torque", bare=True) = []
     output: SomeOf(*ROTATION_OUTPUTS, *REACTIONS) = []
 
@@ -295,7 +296,7 @@ class Free(Plain):
     input: ClassVar[tuple] = ()
 
     free: Empty
-    start: FreeStart = FreeStart()
+    start: FreeStart = left_out(FreeStart)
     output: SomeOf(*POSE_OUTPUTS) = []
 
 

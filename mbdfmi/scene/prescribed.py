@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from ..vocabulary import IN_SPACE, POSE_EFFORTS, POSE_OUTPUTS, REACTIONS, YAW_PITCH_ROLL
 from .efforts import AngularDriver, LinearDriver
 from .errors import quoted
-from .fields import Empty, Part, SomeOf, Vector, in_si
+from .fields import Empty, Part, SomeOf, Vector, in_si, left_out
 from .joint_base import Passive
 
 PLACE = ("x", "y", "z")
@@ -81,7 +81,7 @@ class Prescribed(Passive):
     driver: PoseDriver = Field(
         description="drivers of its coordinates, as in { x = { harmonic = { amplitude = 0.1, frequency = 1 } } }"
     )
-    start: PrescribedStart = PrescribedStart()
+    start: PrescribedStart = left_out(PrescribedStart)
     output: SomeOf(*POSE_OUTPUTS, *POSE_EFFORTS, *REACTIONS) = []
 
     @property

@@ -18,7 +18,7 @@ from .code import Code
 from .couplings import Coupling
 from .errors import SceneError
 from .experiment import Experiment
-from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given
+from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given, left_out
 from .forces import Force
 from .joints import Joint
 from .looks import View
@@ -157,11 +157,11 @@ class SceneData(Part):
     wind: Wind | None = None
     gravity: Vector = Field(default_factory=_gravity)
     output: SomeOf(*SCENE_OUTPUTS) = []
-    solver: Solver = Solver()
-    experiment: Experiment = Experiment()
-    code: Code = Code()
-    ground: Ground = Ground()
-    view: View = View()
+    solver: Solver = left_out(Solver)
+    experiment: Experiment = left_out(Experiment)
+    code: Code = left_out(Code)
+    ground: Ground = left_out(Ground)
+    view: View = left_out(View)
     body: dict[Name, Body] = {}
     joint: dict[Name, Joint] = {}
     coupling: dict[Name, Coupling] = {}
