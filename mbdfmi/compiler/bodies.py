@@ -14,7 +14,6 @@ from ..vocabulary import (
     SOLVER_OUTPUTS,
 )
 from .builder import Place, Source
-from .seas import add_waves
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -225,6 +224,8 @@ def _add_marker(builder, path, spec):
         source = Source(MARKER_KINDS[output], 0, index)
 
         if output == "elevation":
+            from .seas import add_waves
+
             add_waves(builder)
 
         builder.add_outputs(

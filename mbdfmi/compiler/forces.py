@@ -1,5 +1,7 @@
 """Force elements between two markers, and loads on one."""
 
+from importlib import import_module
+
 import numpy as np
 
 from ..kernels import outputs
@@ -9,12 +11,8 @@ from ..vectors import norm
 from ..vocabulary import LOAD_OUTPUTS, SIX_BY_SIX_OUTPUTS, STRUT_INPUT, STRUT_OUTPUTS, TORSION_OUTPUTS
 from .builder import Place, Source
 from .elastic import add_along, damper_of, spring_of, watch
-from .hydrodynamics import add_hydrodynamics
-from .lines import add_catenary
 from .start import start_pose
 from .variables import dotted
-from .water import add_hydrostatics, add_member
-from .wind import add_rotor
 
 AXES = {"first": FIRST, "heading": HEADING, "body": BODY}
 
@@ -53,7 +51,16 @@ def add_forces(builder):
     for name, force in builder.scene.force.items():
         ends = [builder.marker(end) for end in force.between]
         builder.force_nodes.append([builder.marker_node(end) for end in ends])
-        ELEMENTS[force.kind](builder, name, force, ends)
+        _adder(force.kind)(builder, name, force, ends)
+
+
+def _adder(kind):
+    """What adds an element of a kind."""
+    if kind not in RARE:
+        return ELEMENTS[kind]
+
+    module, name = RARE[kind]
+    return getattr(import_module(f".{module}", __package__), name)
 
 
 # of each kind: the builder, the element's name and table, its markers
@@ -225,9 +232,13 @@ ELEMENTS = {
     "linear": _add_six_by_six,
     "bushing": _add_six_by_six,
     "load": _add_load,
-    "hydrostatics": add_hydrostatics,
-    "hydrodynamics": add_hydrodynamics,
-    "catenary": add_catenary,
-    "rotor": add_rotor,
-    "member": add_member,
+}
+
+# modules and functions of those that few scenes have: imported for these alone
+RARE = {
+    "hydrostatics": ("water", "add_hydrostatics"),
+    "hydrodynamics": ("hydrodynamics", "add_hydrodynamics"),
+    "catenary": ("lines", "add_catenary"),
+    "rotor": ("wind", "add_rotor"),
+    "member": ("water", "add_member"),
 }

@@ -192,11 +192,6 @@ def _parts(name, force):
     return [(name,) if len(bodies) == 1 else (name, body) for body in bodies]
 
 
-def shares_water(scene) -> bool:
-    """Whether bodies move each other's water: then dynamics are by the joint-space mass matrix."""
-    return any(f.kind == "hydrodynamics" and len(f.between) > 1 for f in scene.force.values())
-
-
 def _add_shared_water(builder, ends, infinite):
     """Added mass between bodies, for each pair that moves; what is fixed to the ground bears what the ground does."""
     moving = [k for k, end in enumerate(ends) if builder.marker_node(end) > 0]

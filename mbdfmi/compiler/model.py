@@ -33,16 +33,13 @@ from .couplings import add_coupling_outputs
 from .drives import add_drives
 from .end_frames import add_end_frames
 from .forces import add_forces
-from .hydrodynamics import meet_waves, shares_water
 from .jacobian import find_structure
 from .joints import add_joints
 from .light_parts import tell_light_parts
-from .natural import Swings, swings_of
+from .natural import Swings, shares_water, swings_of
 from .partition import MOST_AT_START, parted_tree, predicted_cost
 from .planes import planar_starts
 from .reactions import add_reactions
-from .sea_limits import tell_steep_waves
-from .seas import add_sea
 from .states import indicator_variables, led_by, list_states, rate_variables, state_variables
 from .survey import NONE, Surveys, survey
 from .topology import Tree, absolute_tree, spanning_tree
@@ -252,8 +249,7 @@ def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True, s
         add_absolute_starts(builder, motion)
 
     add_forces(builder)
-    add_sea(builder)
-    tell_steep_waves(builder)
+    _add_sea(builder)
     add_constraints(builder)
     tell_light_parts(builder)
     add_reactions(builder)
@@ -264,7 +260,11 @@ def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True, s
     add_scene_outputs(builder)
     states = list_states(builder, _scene_length(scene)) if for_fmu else ()
     model = _assemble(builder, STEPPERS[scene.solver.integrator], states)
-    meet_waves(builder, model)
+
+    if builder.wave_places or builder.wet_members:
+        from .hydrodynamics import meet_waves
+
+        meet_waves(builder, model)
 
     if swings.near is None and swings.find(builder, model):
         return _compile(scene, tree, formulation, motion, angles, for_fmu, swings)
@@ -279,6 +279,16 @@ def _compile(scene, tree, formulation, motion=None, angles=None, for_fmu=True, s
     return replace(
         model, notices=notices, surveys=surveys, told_aside=told, exchanged=model.exchanged + indicators
     )
+
+
+def _add_sea(builder):
+    """Outputs and notices of the sea. What knows of it is imported where there is one."""
+    if builder.scene.sea:
+        from .sea_limits import tell_steep_waves
+        from .seas import add_sea
+
+        add_sea(builder)
+        tell_steep_waves(builder)
 
 
 # the stepper of models that are asked for their start alone: it keeps the least

@@ -1,16 +1,18 @@
 """How a floating scene swings by itself: where the damping of its memories of waves counts most (docs/theory.md 16.16)."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..hydro.database import Coefficients
-from ..hydro.memory import NEAR, Memory
 from ..kernels import entry
 from ..kernels.dynamics import inertia, rates
 from ..kernels.motion import markers
 from ..kernels.status import OK
 from ..lazily import scipy
+
+if TYPE_CHECKING:
+    from ..hydro.database import Coefficients
+    from ..hydro.memory import Memory
 
 # of a displacement, m or rad or what else coordinates are
 STEP = 1e-4
@@ -26,8 +28,8 @@ class Fitted(NamedTuple):
     """The memory of a force, what it was fitted to, and the markers of its bodies."""
 
     markers: list
-    coefficients: Coefficients
-    memory: Memory
+    coefficients: "Coefficients"
+    memory: "Memory"
 
 
 class Swings:
@@ -61,6 +63,11 @@ class Swings:
             builder.notice(("force", name, "hydrodynamics", "radiation"), text)
 
 
+def shares_water(scene) -> bool:
+    """Whether bodies move each other's water: then dynamics are by the joint-space mass matrix."""
+    return any(f.kind == "hydrodynamics" and len(f.between) > 1 for f in scene.force.values())
+
+
 def swings_of(scene, compile_with) -> Swings:
     """What is to be met by a scene that is not compiled on its spanning tree; compile_with : does that."""
     swings = Swings()
@@ -75,7 +82,12 @@ def _missed(builder, model):
     """Of each force whose memory misses damping at a natural frequency by more than NEAR of its own value: all those, as
     ((omega rad/s, motion (6 N,)), ...), and the most that is missed, with its omega.
     """
-    modes = _modes(model) if builder.fitted else []
+    if not builder.fitted:
+        return {}
+
+    from ..hydro.memory import NEAR
+
+    modes = _modes(model)
     found = {}
 
     for name, fitted in builder.fitted.items():

@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..kernels.joints import KINDS, N_V
-from ..scene.constraints import CONSTRAINTS
-from ..scene.end_frames import END_FRAMES
+from ..scene.rare import CONSTRAINTS, END_FRAMES
 from .elimination import elimination, neighbours
 from .frames import compose
 from .planes import find_planes, planar_nodes
@@ -40,7 +39,7 @@ def parted_tree(scene, tree) -> Tree | None:
 
 def _can_be_parted(scene):
     """Whether all bodies can move by themselves, and nothing but joints between bodies closes loops."""
-    special = {cls.kind for cls in (*CONSTRAINTS, *END_FRAMES)}
+    special = {rare.kind for rare in (*CONSTRAINTS, *END_FRAMES)}
 
     if scene.coupling or any(joint.kind in special or joint.stays_in_tree for joint in scene.joint.values()):
         return False

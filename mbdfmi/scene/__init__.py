@@ -3,29 +3,11 @@
 A user meets them as `mbdfmi.Scene`, which can also be run and exported.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from .bodies import Body, Ground, GroundMarker, Marker
-from .constraints import (
-    Angle,
-    ConstantVelocity,
-    Distance,
-    KnifeEdge,
-    PointOnLine,
-    PointOnPlane,
-    RollingDisk,
-    RollingSphere,
-)
-from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
-from .end_frames import (
-    CurveOnCurve,
-    FrameOnCurve,
-    FrameOnSurface,
-    PointOnCurve,
-    PointOnSurface,
-    RollingSurface,
-    SurfaceOnSurface,
-)
 from .errors import Problem, SceneError
-from .forces import Bushing, Force, Linear, Load, SpringDamper
 from .joints import (
     Cylindrical,
     Fixed,
@@ -39,16 +21,39 @@ from .joints import (
     Translation,
     Universal,
 )
-from .lines import Catenary
-from .measures import Measure
 from .names import fmi_name, variable_name
-from .prescribed import Prescribed
 from .reader import parse_scene, read_scene
 from .schema import SceneData, Solver
-from .sea import Hydrodynamics, Member, Sea
-from .water import Hydrostatics
-from .wind import Wind, WindRotor
 from .writer import write_scene
+
+if TYPE_CHECKING:
+    from .constraints import (
+        Angle,
+        ConstantVelocity,
+        Distance,
+        KnifeEdge,
+        PointOnLine,
+        PointOnPlane,
+        RollingDisk,
+        RollingSphere,
+    )
+    from .couplings import Coupling, Gear, LinearCoupling, Rack, ScrewCoupling
+    from .end_frames import (
+        CurveOnCurve,
+        FrameOnCurve,
+        FrameOnSurface,
+        PointOnCurve,
+        PointOnSurface,
+        RollingSurface,
+        SurfaceOnSurface,
+    )
+    from .forces import Bushing, Force, Linear, Load, SpringDamper
+    from .lines import Catenary
+    from .measures import Measure
+    from .prescribed import Prescribed
+    from .sea import Hydrodynamics, Member, Sea
+    from .water import Hydrostatics
+    from .wind import Wind, WindRotor
 
 __all__ = [
     "Angle",
@@ -110,3 +115,67 @@ __all__ = [
     "variable_name",
     "write_scene",
 ]
+
+_RARE = {
+    "constraints": (
+        "Angle",
+        "ConstantVelocity",
+        "Distance",
+        "KnifeEdge",
+        "PointOnLine",
+        "PointOnPlane",
+        "RollingDisk",
+        "RollingSphere",
+    ),
+    "couplings": (
+        "Coupling",
+        "Gear",
+        "LinearCoupling",
+        "Rack",
+        "ScrewCoupling",
+    ),
+    "end_frames": (
+        "CurveOnCurve",
+        "FrameOnCurve",
+        "FrameOnSurface",
+        "PointOnCurve",
+        "PointOnSurface",
+        "RollingSurface",
+        "SurfaceOnSurface",
+    ),
+    "forces": (
+        "Bushing",
+        "Force",
+        "Linear",
+        "Load",
+        "SpringDamper",
+    ),
+    "lines": ("Catenary",),
+    "measures": ("Measure",),
+    "prescribed": ("Prescribed",),
+    "sea": (
+        "Hydrodynamics",
+        "Member",
+        "Sea",
+    ),
+    "water": ("Hydrostatics",),
+    "wind": (
+        "Wind",
+        "WindRotor",
+    ),
+}
+"""Names of those that are imported when they are asked for, by modules (rare.py)."""
+
+
+def __getattr__(name):
+    module = next((module for module, names in _RARE.items() if name in (module, *names)), None)
+
+    if module is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    found = import_module(f".{module}", __name__)
+    return found if name == module else getattr(found, name)
+
+
+def __dir__():
+    return sorted({*globals(), *_RARE, *__all__})

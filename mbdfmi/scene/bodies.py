@@ -1,21 +1,30 @@
 """Bodies, their markers, and the ground."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from ..vectors import dot
 from ..vocabulary import GROUND_OUTPUTS, MARKER_INPUTS, MARKER_OUTPUTS
-from .curves import Curve
 from .errors import listed
 from .fields import Array, NotNegative, OneOf, Part, SomeOf, Vector
 from .looks import Shown
-from .motion import Motion
 from .names import Name
 from .orientation import Oriented, Placed
+from .rare import rare
 from .solids import Solid, composite
-from .surfaces import Surface
+
+if TYPE_CHECKING:
+    from .curves import Curve
+    from .motion import Motion
+    from .surfaces import Surface
+else:
+    (Curve,), (Surface,), (Motion,) = (
+        rare("curves", "Curve"),
+        rare("surfaces", "Surface"),
+        rare("motion", "Motion"),
+    )
 
 # Published moments are rounded, so a flat plate may miss the triangle inequality by this part.
 MOMENTS_ROUNDED = 0.01

@@ -9,9 +9,6 @@ from itertools import permutations
 
 from pydantic import BaseModel
 
-from .constraints import CONSTRAINTS
-from .couplings import COUPLINGS, CouplingBase
-from .end_frames import END_FRAMES
 from .errors import (
     NAMED_TABLES,
     Problem,
@@ -23,7 +20,7 @@ from .errors import (
     show,
 )
 from .names import FRAMES, fmi_name
-from .surfaces import CONVEX, HOLLOW
+from .rare import CONSTRAINTS, END_FRAMES
 
 ORDINALS = ("first", "second", "third")
 
@@ -275,6 +272,8 @@ def _wrong_coupling(coupling, joints):
                 return f"both are {quoted(name)}; a coupling is between two joints"
             return f"two of them are {quoted(name)}; a coupling is between different joints"
 
+    from .couplings import COUPLINGS, CouplingBase
+
     cls = next((cls for cls in COUPLINGS if _get(coupling, cls.kind) is not None), CouplingBase)
     for k, name in enumerate(names):
         kinds = cls.kinds[min(k, 1)]
@@ -414,7 +413,7 @@ def _split(end):
 
 def _missing_shapes(joint, ends, markers):
     """Texts about curves and surfaces that an end frame needs; markers is {(body, name): marker}."""
-    end_frame = next((cls for cls in END_FRAMES if _get(joint, cls.kind) is not None), None)
+    end_frame = next((rare.type for rare in END_FRAMES if _get(joint, rare.kind) is not None), None)
     if not end_frame:
         return
 
@@ -433,6 +432,8 @@ def _missing_shapes(joint, ends, markers):
 
 def _unfit_surfaces(end_frame, ends, markers):
     """Texts about surfaces that cannot bear anything, or cannot touch another one."""
+    from .surfaces import CONVEX, HOLLOW
+
     first, second = (_get(markers.get(tuple(end)), "surface") for end in ends)
 
     if _get(first, "disk") is not None:
@@ -451,7 +452,7 @@ def _unfit_surfaces(end_frame, ends, markers):
 
 def _constraint_kind(joint):
     """The kind of a joint that only constrains, or None."""
-    kinds = (cls.kind for cls in CONSTRAINTS + END_FRAMES)
+    kinds = (rare.kind for rare in CONSTRAINTS + END_FRAMES)
     return next((kind for kind in kinds if _get(joint, kind) is not None), None)
 
 

@@ -9,6 +9,7 @@ from ..vocabulary import REACTIONS
 from .errors import show
 from .fields import Axis, Number, Part, Positive, SomeOf, in_si, unit_vector
 from .joint_base import AxisOptions, Constraint, NormalOptions, two_axes
+from .rare import CONSTRAINTS as KINDS
 
 
 class PointOnPlane(Constraint):
@@ -160,13 +161,4 @@ class Angle(Constraint):
         return np.cos(in_si(self.angle, "angle"))
 
 
-CONSTRAINTS = (
-    PointOnPlane,
-    PointOnLine,
-    Distance,
-    RollingSphere,
-    RollingDisk,
-    KnifeEdge,
-    ConstantVelocity,
-    Angle,
-)
+CONSTRAINTS = tuple(kind.type for kind in KINDS)

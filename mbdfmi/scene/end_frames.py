@@ -13,6 +13,7 @@ from .efforts import ParameterDriver
 from .errors import show
 from .fields import Array, Axis, Empty, Number, OneOf, Part, SomeOf, left_out, unit_vector
 from .joint_base import Passive
+from .rare import END_FRAMES as KINDS
 
 
 class CurveStart(Part):
@@ -216,12 +217,4 @@ class RollingSurface(Undriven):
     output: SomeOf(*PARAMETERS, *CONTACT_OUTPUTS, *REACTIONS) = []
 
 
-END_FRAMES = (
-    PointOnCurve,
-    CurveOnCurve,
-    PointOnSurface,
-    FrameOnCurve,
-    FrameOnSurface,
-    SurfaceOnSurface,
-    RollingSurface,
-)
+END_FRAMES = tuple(kind.type for kind in KINDS)

@@ -1,6 +1,7 @@
 """What a scene's tables are made of: numbers, arrays, axes, choices, and the tables themselves."""
 
 import math
+import weakref
 from contextvars import ContextVar
 from functools import cache
 from typing import Annotated, ClassVar, Union, get_args
@@ -20,6 +21,7 @@ from pydantic_core import core_schema
 from ..vectors import dot, norm
 from .errors import SceneError, did_you_mean, listed, show
 from .messages import TAG, problems_of
+from .rare import whole
 
 # Magnitudes beyond are mistakes, and their products would overflow or vanish.
 LARGEST = 1e30
@@ -288,6 +290,9 @@ def as_given(part, key):
 # the class whose validator is being built
 _building: ContextVar[type | None] = ContextVar("_building", default=None)
 
+# classes whose fields name no rare types any more
+_whole: weakref.WeakSet = weakref.WeakSet()
+
 
 class _PartType(type(BaseModel)):
     def __call__(cls, *args, **kwargs):
@@ -299,9 +304,31 @@ class _PartType(type(BaseModel)):
 
     def __getattr__(cls, name):
         # what help() and notebooks show of it, also before a scene has such a table
-        if name == "__signature__" and cls.model_rebuild():
+        if name == "__signature__" and cls.model_fields and cls.model_rebuild():
             return cls.__signature__
         return super().__getattr__(name)
+
+    @property
+    def model_fields(cls):
+        """The fields by name, with the types themselves: what is rare in them is imported."""
+        cls.be_whole()
+        return cls.__pydantic_fields__
+
+    def be_whole(cls):
+        """Imports what is rare in its fields; returns whether there was any."""
+        fields = [] if cls in _whole else cls.__pydantic_fields__.values()
+        found = [(field, whole(field.annotation)) for field in fields]
+        rare = [(field, annotation) for field, annotation in found if annotation is not field.annotation]
+        _whole.add(cls)
+
+        for field, annotation in rare:
+            field.annotation = annotation
+        for base in cls.__mro__ if rare else ():
+            hints = vars(base).get("__annotations__", {})
+            hints.update({key: whole(hint) for key, hint in hints.items()})
+        if rare and cls.__pydantic_complete__:
+            cls.model_rebuild(force=True)
+        return bool(rare)
 
 
 class Part(BaseModel, metaclass=_PartType):
@@ -346,7 +373,7 @@ class Part(BaseModel, metaclass=_PartType):
     @classmethod
     def __get_pydantic_json_schema__(cls, schema, handler):
         """That of the class, also where it stands inside another part."""
-        if schema["type"] == "function-plain":
+        if cls.be_whole() or schema["type"] == "function-plain":
             cls.model_rebuild()
             schema = cls.__pydantic_core_schema__
 
@@ -359,7 +386,7 @@ class Part(BaseModel, metaclass=_PartType):
 
         tables = given(self) | {name: given(value)}
 
-        if value is None and name in type(self).model_fields:
+        if value is None and name in self.known_keys():
             del tables[name]
 
         # all other parts stay the objects that they are
@@ -374,7 +401,7 @@ class Part(BaseModel, metaclass=_PartType):
     @cache
     def known_keys(cls):
         """The keys that the table may have (tuple), the one that tells its kind first."""
-        return tuple(sorted(cls.model_fields, key=lambda key: key != cls.kind))
+        return tuple(sorted(cls.__pydantic_fields__, key=lambda key: key != cls.kind))
 
     @model_validator(mode="after")
     def _check_alternatives(self):
@@ -407,7 +434,7 @@ def adopted(value, checked):
     they are.
     """
     if isinstance(value, Part):
-        for key in type(value).model_fields:
+        for key in value.known_keys():
             value.__dict__[key] = adopted(value.__dict__[key], checked.__dict__[key])
         return value
     if isinstance(value, dict) and isinstance(checked, dict):
@@ -426,7 +453,7 @@ def _is_given(part, key):
     # a list, a table or a part that was there by default may have got something
     if not (isinstance(value, (list, dict, Part)) and given(value)):
         return False
-    return value != type(part).model_fields[key].default
+    return value != type(part).__pydantic_fields__[key].default
 
 
 def left_out(cls):

@@ -21,11 +21,8 @@ from .fields import (
     by_key,
     number_or,
 )
-from .lines import Catenary
-from .sea import Hydrodynamics, Member
+from .rare import rare_kinds
 from .tables import Ascending, EffortDamper, ForceDamper, ForceOverLength, LoadReading, Table, Vectors
-from .water import Hydrostatics
-from .wind import WindRotor
 
 
 class SpringDamperOptions(Part):
@@ -331,9 +328,9 @@ Force = by_key(
     Linear,
     Bushing,
     Load,
-    Hydrostatics,
-    Hydrodynamics,
-    Catenary,
-    Member,
-    WindRotor,
+    *rare_kinds("water", hydrostatics="Hydrostatics"),
+    *rare_kinds("sea", hydrodynamics="Hydrodynamics"),
+    *rare_kinds("lines", catenary="Catenary"),
+    *rare_kinds("sea", member="Member"),
+    *rare_kinds("wind", rotor="WindRotor"),
 )

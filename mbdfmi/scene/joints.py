@@ -1,6 +1,6 @@
 """Joints between two markers."""
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
@@ -20,17 +20,6 @@ from ..vocabulary import (
     TWO_ANGLES,
     coordinate_names,
 )
-from .constraints import CONSTRAINTS
-from .efforts import (
-    AngularDriver,
-    AngularSpring,
-    AngularStop,
-    Friction,
-    LinearDriver,
-    LinearSpring,
-    LinearStop,
-)
-from .end_frames import END_FRAMES
 from .errors import listed, show
 from .fields import (
     Axis,
@@ -47,7 +36,7 @@ from .fields import (
     unit_vector,
 )
 from .joint_base import AxisOptions, JointBase, NormalOptions, Plain, two_axes
-from .prescribed import Prescribed
+from .rare import CONSTRAINTS, END_FRAMES, rare, rare_kinds
 from .starts import (
     CylindricalStart,
     FreeStart,
@@ -59,7 +48,23 @@ from .starts import (
     TranslationStart,
     UniversalStart,
 )
-from .tables import EffortDamper
+
+if TYPE_CHECKING:
+    from .efforts import (
+        AngularDriver,
+        AngularSpring,
+        AngularStop,
+        Friction,
+        LinearDriver,
+        LinearSpring,
+        LinearStop,
+    )
+    from .tables import EffortDamper
+else:
+    AngularDriver, LinearDriver, Friction = rare("efforts", "AngularDriver", "LinearDriver", "Friction")
+    AngularSpring, LinearSpring = rare("efforts", "AngularSpring", "LinearSpring")
+    AngularStop, LinearStop = rare("efforts", "AngularStop", "LinearStop")
+    (EffortDamper,) = rare("tables", "EffortDamper")
 
 PARTS = {"friction": "friction", "input": "an input"}
 
@@ -312,7 +317,7 @@ Joint = by_key(
     Translation,
     Screw,
     Free,
-    Prescribed,
+    *rare_kinds("prescribed", prescribed="Prescribed"),
     *CONSTRAINTS,
     *END_FRAMES,
 )

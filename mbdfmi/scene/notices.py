@@ -44,7 +44,7 @@ def far_angles(scene):
 @cache
 def _angles(kind):
     """Keys of a kind of Part that are angles in rad, and could be given in degrees."""
-    fields = kind.model_fields
+    fields = kind.known_keys()
     return [key for key in fields if f"{key}_deg" in fields and "speed" not in key]
 
 

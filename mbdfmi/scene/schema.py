@@ -1,5 +1,7 @@
 """A scene: everything a user writes about a multibody system, in one checked structure."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
@@ -15,21 +17,31 @@ from .checks import (
     unfit_water,
 )
 from .code import Code
-from .couplings import Coupling
 from .errors import SceneError
 from .experiment import Experiment
 from .fields import Boolean, OneOf, Part, Positive, SomeOf, Tolerance, Vector, given, left_out
-from .forces import Force
 from .joints import Joint
 from .looks import View
-from .measures import Measure
 from .messages import problems_of
 from .names import Name, Text, Title
 from .notices import notices
-from .sea import Sea
-from .trimming import Trimming
-from .wind import Wind
+from .rare import rare
 from .writer import toml_text
+
+if TYPE_CHECKING:
+    from .couplings import Coupling
+    from .forces import Force
+    from .measures import Measure
+    from .sea import Sea
+    from .trimming import Trimming
+    from .wind import Wind
+else:
+    (Coupling,), (Force,), (Measure,) = (
+        rare("couplings", "Coupling"),
+        rare("forces", "Force"),
+        rare("measures", "Measure"),
+    )
+    (Sea,), (Wind,), (Trimming,) = rare("sea", "Sea"), rare("wind", "Wind"), rare("trimming", "Trimming")
 
 
 class Solver(Part):

@@ -9,17 +9,24 @@ import numpy as np
 
 from ..compiler.frames import axes_with_z
 from ..compiler.hulls import hull_of
-from ..scene.end_frames import END_FRAMES
 from ..scene.fields import unit_vector
 from ..scene.looks import red_green_blue
 from ..scene.meshes import load_mesh, mesh_parts
+from ..scene.rare import END_FRAMES
 from . import curves, forms
 
 PALETTE = ("#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#ff9da7", "#9c755f")
 GROUND, TRACK, SPRING, SEA = "#8c949c", "#5b6b7a", "#7a5195", "#2f7fb5"
 
 # joints that leave nothing to see at the ground
-LOOSE = ("free", "translation", "planar", "rolling_disk", "rolling_sphere", *(cls.kind for cls in END_FRAMES))
+LOOSE = (
+    "free",
+    "translation",
+    "planar",
+    "rolling_disk",
+    "rolling_sphere",
+    *(rare.kind for rare in END_FRAMES),
+)
 
 # how much of a guess is seen
 GUESS = 0.45
