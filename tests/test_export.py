@@ -376,7 +376,7 @@ def test_failed_export_leaves_nothing(pendulum, tmp_path, monkeypatch):
     target = tmp_path / "a.fmu"
     target.write_bytes(b"old")
 
-    def disk_full(*_):
+    def disk_full(*_, **__):
         raise OSError("no space left")
 
     monkeypatch.setattr(package.zipfile.ZipFile, "writestr", disk_full)

@@ -11,6 +11,7 @@ from mbdfmi.scene import joints as joint_classes
 from mbdfmi.scene.constraints import CONSTRAINTS
 from mbdfmi.scene.end_frames import END_FRAMES
 from mbdfmi.scene.joint_base import JointBase
+from mbdfmi.scene.prescribed import Prescribed
 from mbdfmi.units import UNITS
 
 # tables of the vocabulary, and the compiler's kinds of the same words
@@ -26,7 +27,7 @@ TABLES = {
 }
 PLAIN = [
     cls
-    for cls in vars(joint_classes).values()
+    for cls in (*vars(joint_classes).values(), Prescribed)
     if isinstance(cls, type)
     and issubclass(cls, JointBase)
     and cls.kind

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 from lxml import etree
@@ -73,6 +74,7 @@ def texts_of(model) -> dict[str, str]:
     }
 
 
+@cache
 def tool_version() -> str:
     """Version of mbdfmi."""
     try:

@@ -82,9 +82,8 @@ class _Arrays:
 
     def __init__(self, model):
         rows = [row for row in layout.ARRAYS if row.buffer == "reals"]
-        lengths = {
-            row.name: layout.array_length(row, {n: getattr(model, n) for n in layout.COUNTS}) for row in rows
-        }
+        counts = {name: getattr(model, name) for name in layout.COUNTS}
+        lengths = {row.name: layout.array_length(row, counts) for row in rows}
         found = sorted((int(model.ints[layout.SLOT[r.name]]), r.name) for r in rows if lengths[r.name])
         self.first = [first for first, _ in found]
         self.names = [name for _, name in found]

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from ..compiler.seas import sea_components
 from ..compiler.variables import array_of
-from ..hydro.spectra import wave_number
 from ..rotations import Rotation
 from ..scene.fields import unit_vector
 from .lines import beds
@@ -63,6 +61,9 @@ def waves(scene, states=None):
     """
     if not (scene.sea and scene.sea.waves) or scene.ground.motion:
         return None
+
+    from ..compiler.seas import sea_components
+    from ..hydro.spectra import wave_number
 
     found = sea_components(scene, states.given("sea.") if states is not None else None)
     k = wave_number(found.omega, scene.sea.depth, -scene.gravity[2])
