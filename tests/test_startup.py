@@ -24,7 +24,7 @@ RARE = (
     *(f"mbdfmi.scene.{name}" for name in ("water", "wind", "import_")),
     *(
         f"mbdfmi.compiler.{name}"
-        for name in ("hulls", "hydrodynamics", "lines", "sea_limits", "water", "wind")
+        for name in ("hulls", "hydrodynamics", "lines", "sea_limits", "seas", "water", "wind")
     ),
     *(
         "mbdfmi.hydro.memory",
