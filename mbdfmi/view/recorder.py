@@ -13,7 +13,7 @@ from .runs import Run
 # a serialised state (fmu_src/snapshot.c): how it begins, its format, where that, sizes and GUID stand; its
 # numbers are its end
 MAGIC = bytes(8) + b"mbdfmi\0S"
-VERSION = 4
+VERSION = 5
 FORMAT, SIZES, GUID = 16, 24, 48
 
 
