@@ -305,7 +305,7 @@ def test_notebooks_get_the_page():
     not (shutil.which("node") and (ROOT / "viewer" / "node_modules" / "gltf-validator").exists()),
     reason="node and gltf-validator are not there: cd viewer && npm install",
 )
-@pytest.mark.parametrize("name", ["four_bar", "turbine", "marble_run", "rolling_disk"])
+@pytest.mark.parametrize("name", ["four_bar", "turbine", "marble_run", "rolling_disk", "moored_buoy"])
 def test_the_glb_is_valid(tmp_path, name):
     scene = load(name)
     path = scene.simulate(0.5).view(tmp_path / "a.glb")

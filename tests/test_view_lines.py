@@ -10,7 +10,7 @@ from scenes import assert_near
 import mbdfmi
 from mbdfmi.kernels.forces.line_pieces import piece
 from mbdfmi.run import line_shapes
-from mbdfmi.view import drawing
+from mbdfmi.view import drawing, glb
 from mbdfmi.view.lines import Drawn, table, told_lines
 from mbdfmi.view.page import page
 from mbdfmi.view.picture import picture
@@ -199,3 +199,31 @@ def test_a_line_without_a_bed_hangs_the_same_from_either_end(z):
     assert_near(points[[0, -1]], [[0, 0, 0], [60, 0, z]], 1e-6)
     there, back = drawn.shape([60.0], [20.0])[0], drawn.shape([60.0], [-20.0])[0]
     assert_near(back[::-1] - [60.0, -20.0], there * [-1.0, 1.0], 1e-9)
+
+
+def test_a_glb_has_them_as_morph_targets(run):
+    """Points by its weights, to half a centimetre; weights and buoys with them."""
+    results, shown = run
+    document, arrays = glb.read(shown.glb())
+    nodes = {node["name"]: k for k, node in enumerate(document["nodes"])}
+    outputs = {
+        (channel["target"]["node"], channel["target"]["path"]): document["animations"][0]["samplers"][
+            channel["sampler"]
+        ]["output"]
+        for channel in document["animations"][0]["channels"]
+    }
+    rows = np.arange(len(results["time"]))
+
+    for line in shown.lines:
+        k = nodes[line.name]
+        (part,) = document["meshes"][document["nodes"][k]["mesh"]]["primitives"]
+        targets = np.array([arrays[target["POSITION"]] for target in part["targets"]])
+        weights = arrays[outputs[k, "weights"]].reshape(len(rows), len(targets))
+        tube = arrays[part["attributes"]["POSITION"]] + np.tensordot(weights, targets, 1)
+        points = line.points(rows)
+        # the tube's last ring point is its first
+        rings = tube.reshape(len(rows), len(line.points([0])[0]), -1, 3)[:, :, :-1].mean(axis=2)
+        assert_near(rings, points, 5e-3)
+
+        for ball, (at, *_) in enumerate(line.balls, 1):
+            assert_near(arrays[outputs[nodes[f"{line.name} {ball}"], "translation"]], points[:, at], 1e-4)

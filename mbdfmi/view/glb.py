@@ -21,8 +21,9 @@ ARRAY, ELEMENTS = 34962, 34963
 class Node:
     """A node of the scene, placed in its parent by r (3,) in m, q (4,), scale (3,) or none.
 
-    surfaces : (Triangles, colour (3,) sRGB, opacity), drawn in its axes. moves : the channels
-        "translation", "rotation", "scale" (n, 3 or 4) over the times of the animation.
+    surfaces : (Triangles, colour (3,) sRGB, opacity), drawn in its axes. moves : the channels "translation",
+        "rotation", "scale" (n, 3 or 4) and "weights" (n, targets) over the times of the animation. targets :
+        (points, 3) m each, by which the points of its one surface move, times the weights.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Node:
     surfaces: list = field(default_factory=list)
     children: list = field(default_factory=list)
     moves: dict = field(default_factory=dict)
+    targets: list = field(default_factory=list)
     extras: dict = field(default_factory=dict)
 
 
@@ -73,6 +75,13 @@ class _Writer:
 
         if node.surfaces:
             data["mesh"] = self._mesh(node.name, node.surfaces)
+
+        if node.targets:
+            mesh = self.document["meshes"][data["mesh"]]
+            mesh["weights"] = np.asarray(node.moves["weights"][0], np.float64).tolist()
+            mesh["primitives"][0]["targets"] = [
+                {"POSITION": self._array(target, FLOAT, ARRAY, bounds=True)} for target in node.targets
+            ]
 
         for path, values in node.moves.items():
             self._channel(index, path, values)
@@ -125,6 +134,8 @@ class _Writer:
         if self.time is None:
             self.time = self._array(self.times, FLOAT, None, bounds=True)
 
+        # glTF has the weights of a time one after another
+        values = values.ravel() if path == "weights" else values
         self.samplers.append({"input": self.time, "output": self._array(values, FLOAT, None)})
         self.channels.append({"sampler": len(self.samplers) - 1, "target": {"node": node, "path": path}})
 

@@ -290,22 +290,7 @@ def table(line) -> Table:
         nodes = np.maximum(nodes, np.minimum(finer, np.ceil(share * finer))).astype(int)
 
     flat = shapes.reshape(nodes.prod(), -1)
-    mean = flat.mean(axis=0)
-    left, chosen = flat - mean, []
-
-    # principal modes, the strongest first, until no point is off
-    strength, directions = np.linalg.eigh(left.T @ left)
-
-    for k in np.argsort(-strength):
-        if np.abs(left).max() <= line.off / 4:
-            break
-
-        chosen.append(directions[:, k])
-        left = left - np.outer(left @ chosen[-1], chosen[-1])
-
-    modes = np.array(chosen).reshape(len(chosen), flat.shape[1])
-    shares = (flat - mean) @ modes.T
-
+    mean, modes, shares = principal(flat, line.off)
     return Table(
         low,
         step,
@@ -313,6 +298,24 @@ def table(line) -> Table:
         mean.reshape(-1, 2),
         modes.reshape(len(modes), len(mean) // 2, 2),
     )
+
+
+def principal(flat, off):
+    """(mean (m,), modes (k, m), shares (n, k)) of rows (n, m), none of which is off by a quarter of `off`."""
+    mean = flat.mean(axis=0)
+    left, chosen = flat - mean, []
+    strength, directions = np.linalg.eigh(left.T @ left)
+
+    # the strongest first
+    for k in np.argsort(-strength):
+        if np.abs(left).max() <= off / 4:
+            break
+
+        chosen.append(directions[:, k])
+        left = left - np.outer(left @ chosen[-1], chosen[-1])
+
+    modes = np.array(chosen).reshape(len(chosen), flat.shape[1])
+    return mean, modes, (flat - mean) @ modes.T
 
 
 def _between(shapes, axis):

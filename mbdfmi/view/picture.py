@@ -10,6 +10,7 @@ from ..run.states import States
 from ..scene import SceneData
 from . import forms, glb
 from .contents import Link, Piece, check_meshes, links, pieces
+from .line_nodes import line_nodes
 from .lines import lines, surfaces
 from .motion import Motion, motion, up_axis, upright
 
@@ -218,7 +219,9 @@ class Picture:
 
     def glb(self) -> bytes:
         """The animated GLB."""
-        return glb.write(self.tree(), self.moves.times, self.title)
+        root = self.tree()
+        root.children += line_nodes(self)
+        return glb.write(root, self.moves.times, self.title)
 
 
 def picture(scene, states, rows=None) -> Picture:
