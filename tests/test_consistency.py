@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import test_two_bodies as two_bodies
 from scenes import assert_near
 from test_hydrodynamics import afloat, files
 
@@ -107,3 +108,31 @@ def test_a_scene_tells_them_or_leaves_them_out(tmp_path):
     assert "heave jumps at" in kept and 'spikes = "cut" leaves it out' in kept
     cut = " ".join(compile_scene(afloat(file, outputs=[], radiation={"states": 8}, spikes="cut")).notices)
     assert "cut out at" in cut and "jumps" not in cut
+
+
+def late(notes):
+    return [note for note in notes if "a quarter of a period after the crest" in note]
+
+
+def test_loads_of_several_bodies_that_come_too_late_are_told(tmp_path):
+    """Each by the phase at its own place: half a wave further the crest comes half a period later, which is no fault."""
+    file = two_bodies.as_wamit(tmp_path)
+    data = read_coefficients(file, 1025.0, 9.80665, 1.0).checked()[0]
+    places = [place[:2] for place in two_bodies.PLACES]
+    assert not late(disagreements(data, *WATER, None, places))
+    conjugate = data.excitation.conj()
+    (text,) = late(disagreements(replace(data, excitation=conjugate), *WATER, None, places))
+    assert "surge of body 1, surge of body 2" in text
+    conjugate[:, :, :6] = data.excitation[:, :, :6]
+    (text,) = late(disagreements(replace(data, excitation=conjugate), *WATER, None, places))
+    assert "in surge of body 2 comes" in text
+    short = data.wave_omega > 0.9
+    begins = replace(data, wave_omega=data.wave_omega[short], excitation=data.excitation[short])
+    assert not late(disagreements(begins, *WATER, None, places))
+    assert late(disagreements(begins, *WATER, None, [(place[0] + 38.0, 0.0) for place in places]))
+
+    # in a scene, of both and of one that is taken out
+    lines = [line.split() for line in file.with_suffix(".3").read_text().splitlines()]
+    turned = "\n".join(" ".join([*line[:6], f"{-float(line[6])!r}"]) for line in lines)
+    file.with_suffix(".3").write_text(turned)
+    assert late(compile_scene(two_bodies.afloat(str(file), outputs=[], radiation=False)).notices)

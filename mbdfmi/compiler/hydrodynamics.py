@@ -23,6 +23,7 @@ from ..native.sources import cache_directory
 from ..scene import Problem, SceneError
 from ..scene.sea import Sea
 from ..vocabulary import EXCITATION_FORCE, EXCITATION_MOMENT, HYDRODYNAMICS_OUTPUTS
+from .afloat import tell_other_waterplane
 from .builder import Source
 from .natural import Fitted
 from .resistance import add_resistance
@@ -71,6 +72,10 @@ def add_hydrodynamics(builder, name, force, ends):
     path = ("force", name, "hydrodynamics", "file")
     told = _memory_told(spec)
 
+    # of bodies of one file: where they are, for their phases are told of its origin
+    several = len(starts) > 1 or spec.bodies
+    places = tuple((float(r[0]), float(r[1])) for r in starts) if several else ()
+
     try:
         stamp = spec.file.path.stat().st_mtime_ns
         water = (
@@ -82,7 +87,14 @@ def add_hydrodynamics(builder, name, force, ends):
             spec.spikes == "cut",
         )
         coefficients, notes, memory, held = _read(
-            str(spec.file.path), stamp, *water, told, spec.bodies, len(ends), builder.near.get(name, ())
+            str(spec.file.path),
+            stamp,
+            *water,
+            told,
+            spec.bodies,
+            len(ends),
+            builder.near.get(name, ()),
+            places,
         )
     except (ValueError, OSError) as error:
         raise SceneError([Problem(path, str(error))]) from None
@@ -123,6 +135,8 @@ def add_hydrodynamics(builder, name, force, ends):
 
     if sea.waves and memory and not told[2]:
         _tell_outside(builder, path, sea_components(builder.scene), coefficients.omega, RADIATION)
+
+    tell_other_waterplane(builder, name, force, coefficients)
 
     if spec.excitation == "input":
         _add_excitation_inputs(builder, name, force, ends)
@@ -234,18 +248,22 @@ def _memory_told(spec):
 
 
 @lru_cache(maxsize=8)
-def _read(path, stamp, density, gravity, depth, scale, froude, cut, told, bodies, count, near):
+def _read(path, stamp, density, gravity, depth, scale, froude, cut, told, bodies, count, near, places):
     """(coefficients, notes, memory or None) of some bodies of a file, and how many that has; stamp : a changed file is read anew.
 
     bodies : their numbers from 1, None: all. count : of the ends that they are to have. near : what the memory is to meet beside.
-    Raises ValueError.
+    places : (x, y) m of several, where they start. Raises ValueError.
     """
     found = read_coefficients(path, density, gravity, scale)
     found = found.enlarged(froude) if froude != 1.0 else found
     _check_bodies(path, found.bodies, bodies, count)
     coefficients, notes = (found.of(bodies) if bodies else found).checked()
     coefficients, cuts = without_spikes(coefficients) if cut else (coefficients, told_spikes(coefficients))
-    notes = notes + cuts + disagreements(coefficients, density, gravity, depth)
+    notes = (
+        notes
+        + cuts
+        + disagreements(coefficients, density, gravity, depth, places if found.bodies > 1 else ())
+    )
 
     if coefficients.bodies < found.bodies:
         notes = [

@@ -28,8 +28,14 @@ MANY = 20.0
 BESIDE = 1e-9
 
 
-def disagreements(data: Coefficients, density: float, gravity: float, depth: float | None) -> list[str]:
-    """Notes of loads of waves that do not go with the damping, or that come too late."""
+def disagreements(
+    data: Coefficients, density: float, gravity: float, depth: float | None, places=()
+) -> list[str]:
+    """Notes of loads of waves that do not go with the damping, or that come too late.
+
+    places : (x, y) m of each body in the file's axes where it holds several, whose phases are about its
+        origin; without them several are not asked whether they come late, and one is at the origin.
+    """
     if (
         data.excitation is None
         or data.headings is None
@@ -37,7 +43,7 @@ def disagreements(data: Coefficients, density: float, gravity: float, depth: flo
         or not data.excitation.any()
     ):
         return []
-    return _haskind(data, density, gravity, depth) + _late(data)
+    return _haskind(data, density, gravity, depth) + _late(data, gravity, depth, places)
 
 
 def spikes(data: Coefficients) -> list[tuple[int, int]]:
@@ -175,20 +181,48 @@ def _haskind(data, density, gravity, depth):
     return found
 
 
-def _late(data):
-    """Long waves along x push ahead where the surface still rises: a quarter of a period before the crest."""
+def _late(data, gravity, depth, places):
+    """Long waves along x push ahead where the surface still rises: a quarter of a period before the crest,
+    which comes to a body where it is.
+    """
     ahead = np.argmin(np.abs(np.angle(np.exp(1j * data.headings))))
 
     if abs(np.angle(np.exp(1j * data.headings[ahead]))) > WIDEST:
         return []
 
-    surge = data.excitation[0, ahead, 0]
+    heading = data.headings[ahead]
+    k = float(wave_number(data.wave_omega[:1], depth, gravity)[0])
+    late = []
 
-    # of several bodies the phase is that of where they are
-    if data.bodies > 1 or surge.imag >= -LATE * abs(surge) or surge == 0.0:
+    if data.bodies == 1 and not places:
+        places = [(0.0, 0.0)]
+
+    for j, (x, y) in enumerate(places):
+        surge = data.excitation[0, ahead, 6 * j]
+        here = surge * np.exp(1j * k * (x * np.cos(heading) + y * np.sin(heading)))
+
+        if surge != 0.0 and here.imag < -LATE * abs(surge):
+            late.append(j)
+
+    if not late:
         return []
 
     return [
-        "the load of long waves in surge comes a quarter of a period after the crest, not before it: are its "
-        "phases those of exp(-i omega t)?"
+        f"the load of long waves in {', '.join(motion(6 * j, data.bodies) for j in late)} comes a quarter of "
+        "a period after the crest, not before it: are its phases those of exp(-i omega t)?"
     ]
+
+
+def long_waves_lift(data: Coefficients, j: int = 0) -> tuple[float, float] | None:
+    """(heave load on body j by elevation in the longest waves (N/m), how far that is known): rho g times its
+    waterplane. None where a file has no loads at three frequencies.
+
+    It is what a parabola over the square of the frequency comes to at 0, beside what a straight line does.
+    """
+    if data.excitation is None or data.wave_omega is None or len(data.wave_omega) < 3:
+        return None
+
+    heave = data.excitation[:3, :, 6 * j + 2].mean(axis=1).real
+    square = data.wave_omega[:3] ** 2
+    line, parabola = (float(np.polyfit(square[: n + 1], heave[: n + 1], n)[-1]) for n in (1, 2))
+    return parabola, abs(parabola - line)

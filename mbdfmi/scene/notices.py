@@ -12,6 +12,7 @@ import numpy as np
 
 from ..steppers import STEPPERS
 from ..vectors import norm
+from . import weather
 from .bodies import MOMENTS_ROUNDED, inertia_matrix, principal_moments
 from .errors import Problem, show
 from .fields import Part
@@ -202,6 +203,7 @@ RULES = (
     idle_spins,
     jumping_speeds,
     orbit_of_another_centre,
+    *weather.RULES,
 )
 
 
