@@ -66,7 +66,10 @@ int graph_operands(const Operation *o, int32_t operand[2])
         case TAPE_EQUAL:
         case TAPE_UNEQUAL:
         case TAPE_WHOLE:
-        case TAPE_FLOOR:    return 0;
+        case TAPE_FLOOR:
+        case TAPE_STILL:
+        case TAPE_SOLVE:
+        case TAPE_FOUND:    return 0;
         default:            return 1;
     }
 }

@@ -43,7 +43,9 @@ static int operands_of(int32_t op)
 {
     switch (op) {
         case TAPE_CONSTANT:
-        case TAPE_LEAF:     return 0;
+        case TAPE_LEAF:
+        case TAPE_SOLVE:
+        case TAPE_FOUND:    return 0;
         case TAPE_ADD:
         case TAPE_SUBTRACT:
         case TAPE_MULTIPLY:
@@ -68,6 +70,20 @@ static bool is_within(int64_t first, int64_t length, int64_t room)
     return first >= 0 && length >= 0 && first + length <= room;
 }
 
+/* Whether what operation k solves for is there, and finds room: what it takes stands before it, what it
+   gives behind it. */
+static bool solves_well(const Resource *r, int64_t k)
+{
+    const Operation *o = &r->operations[k];
+
+    if (o->a < 0 || o->a >= 2 * N_SOLUTION) return false;
+    const Solution *solution = &SOLUTIONS[o->a % N_SOLUTION];
+    int32_t gives = solution->gives * (o->a < N_SOLUTION ? 1 : solution->takes);
+
+    return is_within(o->b, 1, r->ints[solution->count]) && o->c == solution->takes && o->d == gives
+           && k >= o->c && k + o->d < r->n.operations;
+}
+
 /* Whether operation k needs but what stands before it, and what there is. */
 static bool is_good(const Resource *r, int64_t k)
 {
@@ -88,6 +104,7 @@ static bool is_good(const Resource *r, int64_t k)
         case TAPE_LED:      return is_within(o->b, 1, r->ints[COUNT_n_x]);
         case TAPE_LOAD:     return is_within(o->b, o->c, r->n.reals);
         case TAPE_INTERVAL: return o->c > 1 && is_within(o->b, o->c, r->n.reals);
+        case TAPE_SOLVE:    return solves_well(r, k);
         case TAPE_LEAF: return o->a >= 0 && o->a < N_LEAF_BUFFER && is_within(o->b, 1, room[o->a]);
         default:        return true;
     }
@@ -130,7 +147,7 @@ void tape_free(Tape *t)
 
 static bool allocate(Tape *t, size_t n, size_t n_results)
 {
-    t->value = malloc(n * sizeof(double));
+    t->value = calloc(n, sizeof(double));
     t->partial = calloc(2 * n, sizeof(double));
     t->leaf = malloc(n * sizeof(int32_t));
     t->equality = malloc(n * sizeof(int32_t));
@@ -251,6 +268,17 @@ typedef struct {
     bool by_led;
 } Place;
 
+/* Operation k, which a kernel does: what it takes stands before it, what it gives behind it. */
+static void solve(Tape *t, const Instance *c, int64_t k)
+{
+    const Operation *o = &t->r->operations[k];
+    double *value = t->value;
+    int64_t status;
+    void *excinfo = NULL;
+
+    mbdfmi_solve(&status, &excinfo, M_OF(c), D_OF(c), o->a, o->b, &value[k - o->c], &value[k + 1]);
+}
+
 /* Operation k: its value, and its partial derivatives, 0 of what jumps. */
 static double operate(Tape *t, int64_t k, const Place *at, double *by_a, double *by_b)
 {
@@ -263,6 +291,9 @@ static double operate(Tape *t, int64_t k, const Place *at, double *by_a, double 
         case TAPE_CONSTANT: return t->r->constants[o->a];
         case TAPE_LEAF:     return leaf(at->c, o, at->x);
         case TAPE_LED:      *by_a = at->by_led; return at->led[o->b];
+        case TAPE_STILL:    return a;
+        case TAPE_SOLVE:    solve(t, at->c, k); return 0;
+        case TAPE_FOUND:    return t->value[k];
         case TAPE_LOAD:     return looked_up(at->c->reals + o->b, o->c, a);
         case TAPE_INTERVAL: return (double)(o->d + left_of(at->c->reals + o->b, o->c, a));
         case TAPE_ADD:      *by_a = *by_b = 1; return a + b;

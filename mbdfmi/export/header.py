@@ -11,9 +11,11 @@ from collections.abc import Iterable
 from ..compiler.model import SEALED_SIZES
 from ..compiler.variables import KINDS, TABLE
 from ..kernels import entry, layout, loops, prepare, signatures, status, views
+from ..kernels.forces import solutions
 from ..kernels.language import APART
 from ..kernels.motion.inputs import N_DERIVATIVE
 from ..native.library import TABLE as TABLE_NAME
+from ..trace.solutions import COUNTED
 from . import resource, tape
 from .description import LOG_CATEGORIES
 
@@ -206,11 +208,23 @@ typedef struct {{
 
 
 def _tape() -> str:
-    """Operations of the tape (tape.py), and the buffers that its leaves stand in."""
+    """Operations of the tape (tape.py), the buffers that its leaves stand in, and what kernels solve for in it."""
+    rows = ", ".join(
+        f"{{{takes}, {gives}, COUNT_{count}}}" for (takes, gives), count in zip(solutions.WIDTHS, COUNTED)
+    )
     return f"""/* Operations of the tape; see tape.h. */
 {_enum([*(f"TAPE_{name}" for name in tape.OPERATIONS.values()), "N_OPERATION"])}
 
-{_enum([*(f"LEAF_{name.upper()}" for name in tape.BUFFERS), "N_LEAF_BUFFER"])}"""
+{_enum([*(f"LEAF_{name.upper()}" for name in tape.BUFFERS), "N_LEAF_BUFFER"])}
+
+/* Numbers that are taken and given by what mbdfmi_solve knows, and where it stands how many there are. */
+typedef struct {{
+    int16_t takes, gives, count;
+}} Solution;
+
+#define N_SOLUTION {solutions.N_KIND}
+
+static const Solution SOLUTIONS[N_SOLUTION] = {{{rows}}};"""
 
 
 def _log() -> str:

@@ -18,6 +18,7 @@ from ..trace.derivatives import at_the_trace
 from ..trace.graph import Graph, Untraceable
 from ..trace.places import PREPARED, Everywhere, places, places_of, tunable
 from ..trace.record import Tracer
+from ..trace.solutions import gives
 from ..trace.symbols import symbol_of
 
 OPERATIONS = {
@@ -55,8 +56,14 @@ OPERATIONS = {
     "asinh": "ASINH",
     "pow": "POW",
     "copysign": "COPYSIGN",
+    "still": "STILL",
+    "solve": "SOLVE",
+    "found": "FOUND",
 }
 """Operations of a trace, and what they are called in C."""
+
+CODE = {name: number for number, name in enumerate(OPERATIONS)}
+"""What they are on a tape."""
 
 BUFFERS = ("reals", "state", "u")
 """Buffers that a leaf may stand in."""
@@ -177,6 +184,7 @@ class _Trace:
             {"reals": free, "state": places_of(model, PREPARED)},
             exact=False,
         )
+        tracer.by_time = False
         self.x = places(model, "x")
         self.n_u = model.n_u
         tracer.run("dynamics.rates", "set_time", 0.0)
@@ -228,58 +236,26 @@ class _Trace:
     def written(self) -> Tape:
         """The tape of it."""
         graph, guards = self.graph, list(self.tracer.guards.values())
-        wanted = [*self.rates, *self.outputs, *self.led, *(guard.node for guard in guards)]
+        opaque = sorted(self.tracer.opaque)
+        wanted = [*self.rates, *self.outputs, *self.led, *opaque, *(guard.node for guard in guards)]
         leaves = [graph.leaf(("led", k), 0.0) for k in range(len(self.led))]
-        needed = graph.needed([*wanted, *leaves])
-        place = {node: k for k, node in enumerate(needed)}
-        constants: dict[float, int] = {}
-        rows = [self._row(graph.nodes[k], k, place, constants) for k in needed]
+        rows = _Rows(self)
 
+        for k in graph.needed([*wanted, *leaves]):
+            rows.add(k)
+
+        # nothing that is moved may stand in what is solved for and has no derivatives there
+        held = [(rows.equal_to_itself(k), True) for k in opaque]
+        held = [*((rows.place[guard.node], guard.holds) for guard in guards), *held]
+        place = rows.place
         return Tape(
-            np.array(rows, "<i4").reshape(-1, 5),
-            np.array(list(constants), float),
-            np.array([(place[guard.node], guard.holds) for guard in guards], "<i4").reshape(-1, 2),
+            np.array(rows.rows, "<i4").reshape(-1, 5),
+            np.array(list(rows.constants), float),
+            np.array(held, "<i4").reshape(-1, 2),
             self.n_led,
             np.array([place[k] for k in self.rates], "<i4"),
             np.array([place[k] for k in self.outputs], "<i4"),
         )
-
-    def _row(self, node, k, place, constants):
-        """(operation, a, b, c, d) of a node."""
-        code = {name: number for number, name in enumerate(OPERATIONS)}
-
-        if node.op not in code:
-            raise Untraceable(f"{node.op} is no operation of a tape")
-
-        operands = [place[a] for a in node.args]
-
-        if node.op == "constant":
-            return (
-                code["constant"],
-                constants.setdefault(float(self.graph.values[k]), len(constants)),
-                0,
-                0,
-                0,
-            )
-
-        if node.op == "leaf" and node.about[0] == "led":
-            return code["led"], place[self.led[node.about[1]]], node.about[1], 0, 0
-
-        if node.op == "leaf":
-            return code["leaf"], BUFFERS.index(node.about[0]), node.about[1], 0, 0
-
-        if node.op == "load":
-            buffer, first, length = node.about
-
-            if buffer != "reals":
-                raise Untraceable(f"numbers of `{buffer}` are looked up")
-
-            return code["load"], operands[0], first, length, 0
-
-        if node.op == "interval":
-            return code["interval"], operands[0], *node.about
-
-        return code[node.op], *operands, *[0] * (4 - len(operands))
 
     def agrees(self, instance) -> bool:
         """Whether its derivatives along a random direction are what differences tell: a loop that ends by values may hide one."""
@@ -297,6 +273,87 @@ class _Trace:
         noise = np.abs(values) + SMALL_PART * np.abs(values).max(initial=0.0)
         allowed = AGREEMENT * size + DOUBT * np.abs(far - near) + NOISE / STRIDES[-1] * noise
         return bool(np.all(np.abs(found - near) <= allowed))
+
+
+class _Rows:
+    """The operations of a tape, one behind the other. place : node -> where it stands."""
+
+    def __init__(self, trace: _Trace):
+        self.trace = trace
+        self.graph = trace.graph
+        self.rows: list[tuple[int, ...]] = []
+        self.place: dict[int, int] = {}
+        self.constants: dict[float, int] = {}
+        self._moved: dict[int, int] = {}
+
+    def add(self, k: int):
+        """A node whose operands stand there."""
+        node: Any = self.graph.nodes[k]
+
+        if node.op == "solve":
+            self._add_solved(k, node)
+        elif node.op == "found":
+            self.place[k] = self.place[node.args[0]] + 1 + node.about
+        elif node.op == "along":
+            self.place[k] = self._add_along(*node.args)
+        else:
+            self.place[k] = self._row(*self._operation(k, node))
+
+    def equal_to_itself(self, k: int) -> int:
+        """Where it is asked whether a leaf is what it is: along a seed that moves it that no longer holds."""
+        return self._row("==", self.place[k], self._row("still", self.place[k]))
+
+    def _row(self, op, *about):
+        """Where an operation comes to stand."""
+        self.rows.append((CODE[op], *about, *[0] * (4 - len(about))))
+        return len(self.rows) - 1
+
+    def _add_solved(self, k, node):
+        """What a kernel takes, the kernel, what it gives, one behind the other."""
+        kind, element = node.about
+
+        for a in node.args:
+            self._row("still", self.place[a])
+
+        self.place[k] = self._row("solve", kind, element, len(node.args), gives(kind))
+
+        for _ in range(gives(kind)):
+            self._row("found")
+
+    def _add_along(self, number, *slopes_and_operands):
+        """A number, and nothing by its derivatives, since its operands are where they are."""
+        found = self.place[number]
+
+        for slope, a in zip(slopes_and_operands[::2], slopes_and_operands[1::2]):
+            if a not in self._moved:
+                self._moved[a] = self._row("-", self.place[a], self._row("still", self.place[a]))
+
+            found = self._row("+", found, self._row("*", self.place[slope], self._moved[a]))
+
+        return found
+
+    def _operation(self, k, node):
+        """(operation, its operands and places) of a node."""
+        if node.op not in CODE:
+            raise Untraceable(f"{node.op} is no operation of a tape")
+
+        operands = [self.place[a] for a in node.args]
+
+        match node.op:
+            case "constant":
+                return "constant", self.constants.setdefault(float(self.graph.values[k]), len(self.constants))
+            case "leaf" if node.about[0] == "led":
+                return "led", self.place[self.trace.led[node.about[1]]], node.about[1]
+            case "leaf":
+                return "leaf", BUFFERS.index(node.about[0]), node.about[1]
+            case "load" if node.about[0] != "reals":
+                raise Untraceable(f"numbers of `{node.about[0]}` are looked up")
+            case "load":
+                return "load", *operands, *node.about[1:]
+            case "interval":
+                return "interval", *operands, *node.about
+
+        return node.op, *operands
 
 
 def _differences(instance, seed, n_x, n_rates, stride):

@@ -7,7 +7,7 @@ import math
 
 from . import exchange, forces, joints, notes, output_values, outputs
 from .dynamics import assembly, ends, forward, inertia, projection, rates, reactions, rows
-from .forces import radiation, sagging, struts
+from .forces import radiation, sagging, solutions, struts
 from .joints import virtual
 from .language import apart, inlined
 from .motion import commands, drives, kinematics
@@ -132,5 +132,6 @@ ENTRIES = {
     "mbdfmi_indicators": exchange.indicators,
     "mbdfmi_complete": ends.complete,
     "mbdfmi_next_kink": exchange.next_kink,
+    "mbdfmi_solve": solutions.solve,
 }
 """What the C wrapper calls. In native code a view is the addresses of its buffers, in their order (see views.py)."""

@@ -17,7 +17,6 @@ from .forces import (
     members,
     radiation,
     resistance,
-    sea,
     six_by_six,
     stops,
     struts,
@@ -170,8 +169,7 @@ def write_wave_output(m, d, kind, a, at, y):
     """An output of radiation, excitation or resistance a, or of the sea at marker a into y from `at` on."""
     if kind == outputs.ELEVATION:
         r = markers.position(m, d, a)
-        waves.ready(m, d)
-        y[at] = sea.elevation(m, d, r[0], r[1])
+        y[at] = waves.elevation(m, d, d.now[0], r[0], r[1])
 
     elif kind == outputs.RADIATION_POWER or kind == outputs.EXCITATION_POWER:
         y[at] = radiation.power_of(m, d, a) if kind == outputs.RADIATION_POWER else waves.power_of(m, d, a)

@@ -17,6 +17,8 @@ CONSTANT = (
     "floor",
     "interval",
     "load",
+    "solve",
+    "found",
     "real",
     "whole",
     "isfinite",
@@ -44,6 +46,12 @@ def _anomaly(y, M, e):
     return inverse, MATH.sin(y) * inverse
 
 
+def _along(y, number, *slopes_and_operands):
+    """Of a number that something gives for some operands, with its derivatives by these."""
+    slopes = slopes_and_operands[::2]
+    return (1.0, *(each for slope in slopes for each in (0.0, slope)))
+
+
 PARTIALS: dict[str, Callable] = {
     "+": lambda y, a, b: (1.0, 1.0),
     "-": lambda y, a, b: (1.0, -1.0),
@@ -61,6 +69,7 @@ PARTIALS: dict[str, Callable] = {
     "asinh": lambda y, a: (1.0 / MATH.sqrt(1.0 + a * a),),
     "pow": lambda y, a, b: (y * b / a, y * MATH.log(a)),
     "eccentric_anomaly": _anomaly,
+    "along": _along,
 }
 """Partial derivatives of an operation's result y by its operands; what selects an operand is not among
 them.
@@ -148,10 +157,10 @@ def forward(
     """
     rules = _Rules(graph)
     needed = graph.needed(wanted)
-    return [_along(rules, needed, wanted, direction) for direction in directions]
+    return [_one_way(rules, needed, wanted, direction) for direction in directions]
 
 
-def _along(rules, needed, wanted, direction):
+def _one_way(rules, needed, wanted, direction):
     graph = rules.graph
     rate: dict[int, int] = dict(direction)
 

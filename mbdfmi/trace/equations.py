@@ -64,7 +64,7 @@ def equations(
     model = instance.model
     reals = {v.name: instance.reals[v.index] for v in model.of_causality("parameter")}
     free = [name for name, value in reals.items() if value != 0.0] if parameters is None else list(parameters)
-    scene = scene_graph(instance, free, outputs)
+    scene = scene_graph(instance, free, outputs, solves=False)
     graph = scene.graph
     functions = [Function("rates", "x'", [[k] for k in scene.rates])]
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .derivatives import at_the_trace
-from .graph import Graph
+from .graph import Graph, Untraceable
 from .places import COMMANDED, places, places_of, tunable
 from .record import Guard, Tracer
 
@@ -57,12 +57,15 @@ class Derivatives:
     gap_rates_by_states: np.ndarray
 
 
-def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) -> SceneGraph:
+def scene_graph(
+    instance, parameters: Sequence[str] = (), outputs: bool = True, solves: bool = True
+) -> SceneGraph:
     """The scene of an instance as a graph, at its state, time and inputs.
 
-    parameters : names of those that are given; all others are numbers. outputs : whether y is wanted. What
-    the start has found (lengths of springs, which rows are redundant) stays as it is, and how commanded
-    motions go on. Raises Untraceable, KeyError for unknown names.
+    parameters : names of those that are given; all others are numbers. outputs : whether y is wanted.
+    solves : whether what is summed or solved for is one operation, else it is written out as far as that
+    goes. What the start has found (lengths of springs, which rows are redundant) stays as it is, and how
+    commanded motions go on. Raises Untraceable, KeyError for unknown names.
     """
     model = instance.model
     by_name = {v.name: v.index for v in model.of_causality("parameter")}
@@ -73,7 +76,7 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
     held = {j for j in places(model, "held") if instance.d.work_buffer[j] != 0.0}
     work = places_of(model, COMMANDED) | held
     given = {"reals": set(reals), "state": {now, *x}, "u": set(inputs), "work": work}
-    tracer = Tracer(instance.m, instance.d, given, exact=False)
+    tracer = Tracer(instance.m, instance.d, given, exact=False, solves=solves)
     graph = tracer.graph
 
     def leaves(buffer, found):
@@ -93,6 +96,9 @@ def scene_graph(instance, parameters: Sequence[str] = (), outputs: bool = True) 
 
     if y:
         tracer.run("entry", "compute_outputs", y)
+
+    if opaque := [name for name, k in zip(parameters, of_parameters) if k in tracer.opaque]:
+        raise Untraceable(f"there are no derivatives by {opaque[0]!r} of what is solved for")
 
     return SceneGraph(
         graph,

@@ -108,6 +108,10 @@ class Graph:
 
         return found
 
+    def found(self, op, args, about, kind):
+        """The node of an operation that is there, or None."""
+        return self._known.get((op, args, about, kind))
+
     def _value(self, op, args):
         operands = [self.values[k] for k in args]
 
@@ -375,7 +379,8 @@ class Graph:
     def values_at(self, wanted, buffers, searches) -> dict:
         """Values of some nodes, and of all that they need, where leaves have other values.
 
-        buffers : name -> numbers, in which a leaf stands that is called (name, place). searches : other
+        buffers : name -> numbers, in which a leaf stands that is called (name, place); what operations ask
+        for besides. searches : other
         operation -> function of buffers, what it is about, and its operands.
         """
         found: dict = {}
@@ -390,6 +395,10 @@ class Graph:
                 found[k] = float(buffers[node.about[0]][node.about[1]])
             elif node.op == "load":
                 found[k] = float(buffers[node.about[0]][node.about[1] + args[0]])
+            elif node.op == "found":
+                found[k] = args[0][node.about]
+            elif node.op == "along":
+                found[k] = args[0]
             elif node.op in ("real", "whole"):
                 found[k] = float(args[0]) if node.op == "real" else int(args[0])
             elif node.op in FUNCTIONS:

@@ -32,7 +32,7 @@ def still_nodes(graph: Graph, is_still: Callable[[Any], bool]) -> list[bool]:
     for node in graph.nodes:
         if node.op == "leaf":
             found.append(is_still(node.about))
-        elif node.op in ("load", "interval", "carried"):
+        elif node.op in ("load", "interval", "carried", "solve"):
             found.append(False)
         else:
             found.append(all(found[a] for a in node.args))

@@ -8,7 +8,7 @@ from functools import cache
 from types import FrameType
 
 from ..kernels.layout import ARRAY, COUNTS, SLOT, array_length
-from . import searches
+from . import searches, solutions
 from .graph import REAL, Graph, Untraceable
 from .plain import ROOM, Kernels
 from .symbols import MATH, Symbol, maximum, minimum, node_of, symbol_of
@@ -165,8 +165,10 @@ class Tracer:
 
     given : buffer ("reals", "state", "work", "u") -> places that are symbols; all others are numbers.
     zeros : likewise those that are taken for zero where they are, under a guard. exact : whether the graph
-    keeps bits. told : of a node that a branch asks for, and where that is, which way it goes without a
-    guard, or None. after : kernel of `TOLD` -> what is called when it has been run.
+    keeps bits. solves : whether what is summed or solved for is one operation. slopes : whether such have
+    derivatives, by_time : by the time too; opaque : leaves by which they have none. told : of a node that a
+    branch asks for, and where that is, which way it goes without a guard, or None. after : kernel of `TOLD`
+    -> what is called when it has been run.
     """
 
     def __init__(
@@ -176,8 +178,14 @@ class Tracer:
         given: Mapping[str, Container[int]],
         zeros: Mapping[str, Container[int]] | None = None,
         exact: bool = True,
+        solves: bool = True,
     ):
         self.graph = Graph(exact)
+        self.model, self.data = m, d
+        self.solves = solves
+        self.slopes = not exact
+        self.by_time = True
+        self.opaque: set[int] = set()
         self.guards: dict[int, Guard] = {}
         self.told: Callable[[int, str], bool | None] | None = None
         self.after: dict[str, Callable[[], None]] = {}
@@ -197,7 +205,7 @@ class Tracer:
     def run(self, module: str, kernel: str, *args):
         """A kernel of m and d, and of what else it takes. Returns what it returns."""
         try:
-            return getattr(_kernels()[module], kernel)(self.m, self.d, *args)
+            return getattr(_kernels(self.solves)[module], kernel)(self.m, self.d, *args)
         except ZeroDivisionError:
             # that side of a branch is not gone, or the compiled kernel finds infinity there
             raise Untraceable(
@@ -415,7 +423,7 @@ def _largest(function):
 
 
 @cache
-def _kernels():
+def _kernels(solves):
     replaced: dict[str, Callable] = dict.fromkeys(BOTH_SIDES, _both_sides)
     replaced |= {name: _told(name) for name in TOLD}
     replaced |= {
@@ -424,4 +432,4 @@ def _kernels():
         "dynamics.projection.gap_left": _gap_left,
         "dynamics.multipliers.weakest_row": _weakest_row,
     }
-    return Kernels(replaced | searches.REPLACED)
+    return Kernels(replaced | searches.REPLACED | (solutions.REPLACED if solves else searches.WRITTEN_OUT))

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 from ..kernels.math import tables
 from ..kernels.motion import ellipses
+from . import solutions
 from .graph import INT, REAL, Untraceable
 from .plain import plain_function
 from .program.functions import Function, Program
@@ -17,13 +18,18 @@ from .symbols import Symbol, node_of, symbol_of
 FUNCTIONS: dict[str, tuple] = {
     "left_knot": (plain_function(tables.left_knot), [Array(REAL), ANY_INT, ANY_INT, ANY_REAL]),
     "eccentric_anomaly": (plain_function(ellipses.eccentric_anomaly), [ANY_REAL, ANY_REAL]),
+    solutions.IN_C[0]: (solutions.IN_C[1], solutions.TAKES),
 }
 """The kernels that are such loops, by name, and what they take."""
 
-_CALLED_BY = {"interval": "left_knot", "eccentric_anomaly": "eccentric_anomaly"}
+_CALLED_BY = {
+    "interval": "left_knot",
+    "eccentric_anomaly": "eccentric_anomaly",
+    "solve": solutions.IN_C[0],
+}
 
-FUNCTIONS_OF = tuple(_CALLED_BY)
-"""The operations that they are."""
+FUNCTIONS_OF = ("interval", "eccentric_anomaly")
+"""The operations that have names of their own in C, whoever else calls the kernels."""
 
 
 def called(program: Program, calls: Iterable[str]) -> list[Function]:
@@ -72,7 +78,7 @@ def _kept_waves(function):
     """`waves.ready`."""
 
     def ready(m, d):
-        raise Untraceable("the waves of the sea are kept in turn, from one evaluation to the next")
+        raise Untraceable("sums over the waves of a sea are no equations to be read")
 
     return ready
 
@@ -114,12 +120,20 @@ def _eccentric_anomaly_at(buffers, about, M, e):
     return plain_function(ellipses.eccentric_anomaly)(M, e)
 
 
-VALUES = {"interval": _interval_at, "eccentric_anomaly": _eccentric_anomaly_at}
+def _solved_at(buffers, about, *x):
+    return solutions.value(buffers["m"], buffers["d"], about, *x)
+
+
+VALUES = {"interval": _interval_at, "eccentric_anomaly": _eccentric_anomaly_at, "solve": _solved_at}
 """Operation -> its value for the buffers of a model, what it is about, and its operands."""
 
 REPLACED = {
     "math.tables.interval": _interval,
     "motion.ellipses.eccentric_anomaly": _eccentric_anomaly,
+}
+"""Kernels that call them, and what takes their places."""
+
+WRITTEN_OUT = {
     "forces.waves.ready": _kept_waves,
     "forces.catenaries.is_known": _unknown,
     "forces.catenaries.know": _forgotten,
@@ -127,5 +141,5 @@ REPLACED = {
     "forces.composite_pulls.is_known": _unknown,
     "forces.composite_pulls.nearby": _guessed,
 }
-"""Kernels that call them, or look at what an evaluation before left in scratch, and what takes their
-places."""
+"""Likewise of those that look at what an evaluation before left in scratch, where no operation stands for
+them (`solutions`): equations to be read have nothing to call."""

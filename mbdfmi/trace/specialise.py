@@ -32,6 +32,7 @@ from .places import (
 from .plain import plain_function
 from .record import Guard, Tracer
 from .searches import VALUES
+from .solutions import text_in_c
 from .sufficient import sufficient
 from .symbols import Symbol
 from .write import Body, Places
@@ -93,6 +94,7 @@ class Traced:
     def failing(self, m, d) -> set[str]:
         """Where in the kernels the branches are that go otherwise in a run's present state."""
         buffers = {"reals": m.reals_buffer, "state": d.state_buffer, "work": d.work_buffer, "u": d.u_buffer}
+        buffers |= {"m": m, "d": d}
         wanted = [guard.node for guard in self.guards] + [condition for condition, _ in self.ways]
         found = self.graph.values_at(wanted, buffers, VALUES)
         way = next((guards for condition, guards in self.ways if found[condition]), None)
@@ -156,6 +158,7 @@ def trace_jacobian(instance) -> Traced:
     """`jacobian.find_jacobian` by exact derivatives of x' = f, traced likewise. Raises Untraceable."""
     model, m = instance.model, instance.m
     tracer = tracer_of(instance)
+    tracer.slopes, tracer.by_time = True, False
     prepared(tracer, model)
     status = tracer.run("dynamics.rates", "evaluate_now")
     graph = tracer.graph
@@ -332,5 +335,5 @@ def _looked_up(graph, node, operands):
     return f"run->{buffer}[{first} + {operands[0]}]"
 
 
-READING = Places(read, _looked_up, False)
+READING = Places(read, _looked_up, False, text_in_c)
 """How leaves are read from a Run."""

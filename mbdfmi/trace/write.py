@@ -31,16 +31,22 @@ class Language(NamedTuple):
     kinds: dict[str, str]
 
 
+def _nothing_solves(name, node, operands):
+    raise Untraceable("what is solved for cannot be written so")
+
+
 class Places(NamedTuple):
     """How what is given is read.
 
     leaf : name of a leaf -> its text. look_up : (graph, node, texts of its operands) -> text of a number of
-    a table, or of where one is searched. named : whether leaves are names already, and need no other.
+    a table, or of where one is searched. named : whether leaves are names already, and need no other. solve :
+    (name, node, texts of its operands) -> statements that find an array of that name, of what is solved for.
     """
 
     leaf: Callable[[object], str]
     look_up: Callable
     named: bool
+    solve: Callable = _nothing_solves
 
 
 class Branch(NamedTuple):
@@ -109,11 +115,25 @@ class Body:
             if k in self._text:
                 continue
 
+            if self.graph.nodes[k].op == "solve":
+                self._text[k] = (self._solved(k), _ATOM)
+                continue
+
             text, order = self._expression(k)
             alone = self._uses[k] == 1 and len(text) <= LONGEST and k not in first
             plain = self.graph.nodes[k].op == "constant"
             plain = plain or (self.graph.nodes[k].op == "leaf" and self.places.named)
+            plain = plain or self.graph.nodes[k].op in ("found", "along")
             self._text[k] = (text, order) if alone or plain else (self._stated(k, text), _ATOM)
+
+    def _solved(self, k):
+        """The name of an array of what a kernel gives."""
+        self._named += 1
+        self.calls.add("solve")
+        node = self.graph.nodes[k]
+        name = f"t{self._named}"
+        self.lines += self.places.solve(name, node, [self._text[a][0] for a in node.args])
+        return name
 
     def __getitem__(self, k: int) -> str:
         """A node, as it is read where it stands alone."""
@@ -158,6 +178,12 @@ class Body:
 
         if op == "select":
             return self.language.select.format(*texts), _ATOM
+
+        if op == "found":
+            return f"{texts[0]}[{node.about}]", _ATOM
+
+        if op == "along":
+            return self._text[args[0]]
 
         if op in ("load", "interval"):
             self.calls.add(op)

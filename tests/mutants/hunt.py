@@ -51,6 +51,7 @@ THOROUGH = {
     "catenaries": "catenaries",
     "composite_lines composite_pulls composite_shapes line_ends line_pieces": "composite_lines",
     "radiation waves states": "hydrodynamics sea wave_loads",
+    "solutions": "traced_sea",
     "resistance": "wave_loads",
     "natural": "natural_damping",
     "coordinates": "loops torsion couplings",

@@ -6,7 +6,7 @@ function of where the ends are, and so gives back, as the pull falls, some of wh
 
 import math
 
-from ..language import inlined
+from ..language import inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
 from . import line_ends
@@ -20,6 +20,7 @@ from .composite_shapes import (
     least_pull,
     parts,
     pull_below,
+    weigh,
     weight,
 )
 from .line_pieces import complement_of, piece
@@ -43,14 +44,19 @@ def is_line(m, k):
 
 
 @inlined
-def line(m, d, k):
-    """Line k now; its first end is the lower one, wherever that is."""
-    first = m.composite_from[k]
-    second = m.composite_to[k]
-    span = line_ends.from_lower(m, d, first, second)
+def reach(m, d, k):
+    """(x, z) m from the first end of line k to the second, and the horizontal direction from one to the other."""
+    span = line_ends.from_lower(m, d, m.composite_from[k], m.composite_to[k])
     x, along = line_ends.across(span)
-    H, V = pull(m, d, k, x, span[2])
-    return line_ends.Line(first, second, along, x, span[2], H, V)
+    return x, span[2], along
+
+
+@inlined
+def line(m, d, k):
+    """(line k now, its pull on the first end as of `anchor_pull`); its first end is the lower one, wherever that is."""
+    x, z, along = reach(m, d, k)
+    H, V, out, up = pulls(m, d, k, x, z)
+    return line_ends.Line(m.composite_from[k], m.composite_to[k], along, x, z, H, V), out, up
 
 
 @inlined
@@ -67,10 +73,17 @@ def anchor_pull(m, d, k, H, V):
 
 
 @inlined
+def pulls(m, d, k, x, z):
+    """(H, V, out, up): the pull (N) at the second end, x and z (m) from the first, and at the first."""
+    H, V = pull(m, d, k, x, z)
+    out, up = anchor_pull(m, d, k, H, V)
+    return H, V, out, up
+
+
+@inlined
 def forces_of(m, d, k):
     """(line, force on the second end, on the first end), N, inertial axes."""
-    now = line(m, d, k)
-    out, up = anchor_pull(m, d, k, now.H, now.V)
+    now, out, up = line(m, d, k)
     on_second, on_first = line_ends.forces(now, out, up)
     return now, on_second, on_first
 
@@ -90,32 +103,48 @@ def piece_energy(w, L, EA, H, c, top, bottom):
     return c * now.z + H * now.x - complement_of(now, L, EA, H, top, bottom)
 
 
-@inlined
-def energy_of(m, d, k):
-    """J, of stretch and weight, that over the bed or, without one, over z = 0."""
-    now = line(m, d, k)
-    H = max(now.H, least_pull(d, k))
-    stored = 0.0
+@kernel
+def stored(m, d, k, x, z):
+    """J, of stretch and weight, that over the bed or, without one, over the first end, of line k whose ends are x and z (m) apart."""
+    pulled, V = pull(m, d, k, x, z)
+    H = max(pulled, least_pull(d, k))
+    energy = 0.0
 
     for i in range(m.composite_section[k], last_section(m, k) + 1):
         w = weight(m, i)
         EA = m.section_stiffness[i]
-        floor, cap = bounds(m, d, k, i, now.V)
-        of = parts(m, d, k, i, floor.at, cap.at, now.H, now.V)
+        floor, cap = bounds(m, d, k, i, V)
+        of = parts(m, d, k, i, floor.at, cap.at, pulled, V)
 
         if of.up > 0.0:
-            stored += piece_energy(w, of.up, EA, H, floor.at, of.up_top, of.up_bottom)
+            energy += piece_energy(w, of.up, EA, H, floor.at, of.up_top, of.up_bottom)
 
         if of.down > 0.0:
-            stored += piece_energy(w, of.down, EA, H, cap.at, of.down_top, of.down_bottom)
+            energy += piece_energy(w, of.down, EA, H, cap.at, of.down_top, of.down_bottom)
 
         end = pull_below(m, k, i, of)
-        stored += (of.pull * of.pull + of.pull * end + end * end) / 6.0 * of.slid / EA
+        energy += (of.pull * of.pull + of.pull * end + end * end) / 6.0 * of.slid / EA
+
+    return energy
+
+
+@inlined
+def whole_weight(m, d, k):
+    """N, of line k in water."""
+    weigh(m, d, k)
+    return d.composite_known[20 * k + WEIGHT]
+
+
+@inlined
+def energy_of(m, d, k):
+    """J, of stretch and weight, that over the bed or, without one, over z = 0."""
+    x, z, _ = reach(m, d, k)
+    energy = stored(m, d, k, x, z)
 
     if m.composite_bed[k] == 0:
-        stored += d.composite_known[20 * k + WEIGHT] * markers.position(m, d, m.composite_from[k])[2]
+        energy += whole_weight(m, d, k) * markers.position(m, d, m.composite_from[k])[2]
 
-    return stored
+    return energy
 
 
 @inlined
@@ -167,7 +196,7 @@ def dissipated_of(m, d, k):
     if CB == 0.0 or m.composite_bed[k] == 0:
         return 0.0
 
-    now = line(m, d, k)
+    now, out, _ = line(m, d, k)
 
     if now.H <= 0.0:
         return 0.0
@@ -175,7 +204,7 @@ def dissipated_of(m, d, k):
     of_first = markers.velocity(m, d, m.composite_from[k])
     parting = al.sub(markers.velocity(m, d, m.composite_to[k]), of_first)
     H_rate, V_rate = pull_rates(m, d, k, now, al.dot(parting, now.along), parting[2])
-    lost = (now.H - anchor_pull(m, d, k, now.H, now.V)[0]) * al.dot(of_first, now.along)
+    lost = (now.H - out) * al.dot(of_first, now.along)
 
     for i in range(m.composite_section[k], last_section(m, k) + 1):
         floor, cap = bounds(m, d, k, i, now.V)
@@ -204,17 +233,24 @@ def force_on(m, d, k, end):
     return on_second if end == 1 else on_first
 
 
+@kernel
+def flat(m, d, k, x, z):
+    """Length (m) that lies on the bed of line k whose ends are x and z (m) apart."""
+    H, V = pull(m, d, k, x, z)
+    total = 0.0
+
+    for i in range(m.composite_section[k], last_section(m, k) + 1):
+        floor, cap = bounds(m, d, k, i, V)
+        total += parts(m, d, k, i, floor.at, cap.at, H, V).flat
+
+    return total
+
+
 @inlined
 def grounded(m, d, k):
     """Length (m) of line k that lies on the bed."""
     if m.composite_bed[k] == 0:
         return 0.0
 
-    now = line(m, d, k)
-    total = 0.0
-
-    for i in range(m.composite_section[k], last_section(m, k) + 1):
-        floor, cap = bounds(m, d, k, i, now.V)
-        total += parts(m, d, k, i, floor.at, cap.at, now.H, now.V).flat
-
-    return total
+    x, z, _ = reach(m, d, k)
+    return flat(m, d, k, x, z)

@@ -12,7 +12,7 @@ from ..language import apart, inlined
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64
-from . import sea, stations, waves
+from . import stations, waves
 from .stations import HERE
 
 # Gauss points of a unit interval
@@ -71,7 +71,7 @@ def station(first, j):
 def level(m, d, when, n, r):
     """z of the surface (m) at r: that of the waves at its station n where the water's motion reaches up to them, else 0."""
     if n == HERE and m.sea_water[3] != 0.0:
-        return sea.elevation(m, d, r[0], r[1])
+        return waves.elevation(m, d, d.now[0], r[0], r[1])
 
     if n < 0 or m.sea_water[3] == 0.0:
         return 0.0
@@ -136,7 +136,7 @@ def drag(m, d, k):
     load = (al.ZERO3, al.ZERO3, 0.0)
 
     if first >= 0:
-        when = stations.now(m, d)
+        when = stations.at_time(m, d, d.now[0])
     elif first == HERE:
         waves.ready(m, d)
 

@@ -40,7 +40,7 @@ def lowest(m, d, k):
 @kernel
 def lowest_composite(m, d, k):
     """The same of line k of those of several sections, along them from the second end."""
-    now = composite_lines.line(m, d, k)
+    now, _, _ = composite_lines.line(m, d, k)
     z = markers.position(m, d, m.composite_to[k])[2]
     least = min(z, markers.position(m, d, m.composite_from[k])[2])
 

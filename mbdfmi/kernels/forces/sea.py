@@ -101,13 +101,13 @@ def is_made(m, d):
 
 
 @inlined
-def elevation(m, d, x, y):
-    """Of the undisturbed sea at (x, y) now (m)."""
+def elevation(m, d, t, x, y):
+    """Of the undisturbed sea at (x, y) at time t (m), its components made."""
     total = 0.0
 
     for p in range(m.n_sea_wave):
         a = 7 * p
-        phase = d.sea_wave[a + 1] * d.now[0] + d.sea_wave[a + 2]
+        phase = d.sea_wave[a + 1] * t + d.sea_wave[a + 2]
         total += d.sea_wave[a] * math.cos(phase - d.sea_wave[a + 3] * x - d.sea_wave[a + 4] * y)
 
     return total

@@ -173,12 +173,12 @@ def knot(m, d, j):
 
 
 @inlined
-def now(m, d):
-    """(slots of the four knots around now, where now is between the middle two from 0 to 1)."""
+def at_time(m, d, t):
+    """(slots of the four knots around time t (s), where t is between the middle two from 0 to 1)."""
     waves.ready(m, d)
     D = step(d)
-    j = math.floor(d.now[0] / D)
-    return (knot(m, d, j - 1), knot(m, d, j), knot(m, d, j + 1), knot(m, d, j + 2)), d.now[0] / D - j
+    j = math.floor(t / D)
+    return (knot(m, d, j - 1), knot(m, d, j), knot(m, d, j + 1), knot(m, d, j + 2)), t / D - j
 
 
 @inlined
@@ -188,9 +188,8 @@ def bent(p, before, at, after, D):
 
 
 @inlined
-def value(m, d, when, n, i):
-    """(number i of station n, its rate) now; when : of `now`."""
-    slots, s = when
+def quintic(m, d, slots, n, i):
+    """Coefficients of number i of station n between the middle two of four knots."""
     p = d.station_knot
     D = step(d)
     b = place(m, slots[1], n) + i
@@ -203,14 +202,30 @@ def value(m, d, when, n, i):
     w1 = bent(p, b, c, place(m, slots[3], n) + i, D) - w
     c3 = 10.0 * y1 - 4.0 * v1 + w1
     c4 = -15.0 * y1 + 7.0 * v1 - 2.0 * w1
-    c5 = 6.0 * y1 - 3.0 * v1 + w1
+    return y, v, w, c3, c4, 6.0 * y1 - 3.0 * v1 + w1
+
+
+@inlined
+def value(m, d, when, n, i):
+    """(number i of station n, its rate) at a time; when : of `at_time`."""
+    slots, s = when
+    y, v, w, c3, c4, c5 = quintic(m, d, slots, n, i)
     rate = v + s * (2.0 * w + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
-    return y + s * (v + s * (w + s * (c3 + s * (c4 + s * c5)))), rate / D
+    return y + s * (v + s * (w + s * (c3 + s * (c4 + s * c5)))), rate / step(d)
+
+
+@inlined
+def rate_of_rate(m, d, when, n, i):
+    """The second derivative by time of number i of station n."""
+    slots, s = when
+    D = step(d)
+    y, v, w, c3, c4, c5 = quintic(m, d, slots, n, i)
+    return (2.0 * w + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (D * D)
 
 
 @inlined
 def moves(m, d, when, n):
-    """(velocity m/s, acceleration m/s2) of the water at station n now."""
+    """(velocity m/s, acceleration m/s2) of the water at station n."""
     x, ax = value(m, d, when, n, 0)
     y, ay = value(m, d, when, n, 1)
     z, az = value(m, d, when, n, 2)

@@ -12,7 +12,7 @@ component what it does is kept at the headings of the file, cubic between them, 
 
 import math
 
-from ..language import apart, inlined
+from ..language import apart, inlined, kernel
 from ..math import algebra as al
 from ..motion import markers
 from ..signatures import DATA, MODEL, Tuple, float64, int64, void
@@ -41,6 +41,13 @@ def ready(m, d):
                 make_parts(m, d, k)
             else:
                 make_heading_parts(m, d, k)
+
+
+@kernel
+def elevation(m, d, t, x, y):
+    """Of the undisturbed sea at (x, y) at time t (m)."""
+    ready(m, d)
+    return sea.elevation(m, d, t, x, y)
 
 
 @inlined
@@ -268,15 +275,15 @@ def strayed(m, d, k):
     return r[0] - m.follow_place[2 * k], r[1] - m.follow_place[2 * k + 1]
 
 
-@apart(WRENCH(MODEL, DATA, int64))
-def sum_where_it_is(m, d, k):
-    """Force (N) and moment (N m) on element k now by all components, whose phases are those at its marker."""
-    x, y = strayed(m, d, k)
+@apart(WRENCH(MODEL, DATA, int64, float64, float64, float64))
+def sum_beside(m, d, k, t, x, y):
+    """Force (N) and moment (N m) on element k at time t (s) by all components, phases those at (x, y) m from its first place."""
+    ready(m, d)
     force = al.ZERO3
     moment = al.ZERO3
 
     for p in range(m.n_sea_wave):
-        phase = d.sea_wave[7 * p + 1] * d.now[0] - d.sea_wave[7 * p + 3] * x - d.sea_wave[7 * p + 4] * y
+        phase = d.sea_wave[7 * p + 1] * t - d.sea_wave[7 * p + 3] * x - d.sea_wave[7 * p + 4] * y
         c = math.cos(phase)
         s = -math.sin(phase)
         at = 4 * (m.n_sea_wave * k + p)
@@ -289,6 +296,7 @@ def sum_where_it_is(m, d, k):
 @apart(WRENCH(MODEL, DATA, int64))
 def sum_as_it_heads(m, d, k):
     """Force (N) and moment (N m) on element k now by all components, of their headings less its yaw."""
+    ready(m, d)
     headings = m.excitation_grid[4 * k + 2]
     cosine, sine = water_axes.heading(markers.axes(m, d, m.excitation_marker[k]))
     yaw = math.atan2(sine, cosine)
@@ -327,26 +335,32 @@ def sum_as_it_heads(m, d, k):
 
 
 @inlined
-def wrench(m, d, k):
-    """Of element k on its body at its marker now: (moment N m, force N), inertial axes."""
+def at_place(m, d, k, t):
+    """Force (N) and moment (N m) on element k at time t (s), as waves meet it where it starts."""
     ready(m, d)
-
-    if m.excitation_turns[k] >= 0:
-        f = sum_as_it_heads(m, d, k)
-        return (f[3], f[4], f[5]), (f[0], f[1], f[2])
-
-    if follows(m, k):
-        f = sum_where_it_is(m, d, k)
-        return (f[3], f[4], f[5]), (f[0], f[1], f[2])
-
     D = step(d)
-    j = math.floor(d.now[0] / D)
-    s = d.now[0] / D - j
+    j = math.floor(t / D)
+    s = t / D - j
     a = knot(m, d, k, j)
     b = knot(m, d, k, j + 1)
     p = d.excitation_knot
     force = (between(p, a, b, 0, s), between(p, a, b, 1, s), between(p, a, b, 2, s))
-    return (between(p, a, b, 3, s), between(p, a, b, 4, s), between(p, a, b, 5, s)), force
+    moment = (between(p, a, b, 3, s), between(p, a, b, 4, s), between(p, a, b, 5, s))
+    return force[0], force[1], force[2], moment[0], moment[1], moment[2]
+
+
+@inlined
+def wrench(m, d, k):
+    """Of element k on its body at its marker now: (moment N m, force N), inertial axes."""
+    if m.excitation_turns[k] >= 0:
+        f = sum_as_it_heads(m, d, k)
+    elif follows(m, k):
+        x, y = strayed(m, d, k)
+        f = sum_beside(m, d, k, d.now[0], x, y)
+    else:
+        f = at_place(m, d, k, d.now[0])
+
+    return (f[3], f[4], f[5]), (f[0], f[1], f[2])
 
 
 @inlined
