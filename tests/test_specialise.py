@@ -2,6 +2,7 @@
 generic kernel.
 """
 
+import re
 import zipfile
 from functools import cache
 from pathlib import Path
@@ -15,6 +16,7 @@ from fmu_host import Instance as FMU
 import mbdfmi
 from mbdfmi.cli import main
 from mbdfmi.export import specialise
+from mbdfmi.export.core import core
 from mbdfmi.kernels import language
 from mbdfmi.run.instance import Entries, Instance
 from mbdfmi.trace.binding import bound
@@ -354,3 +356,20 @@ def test_the_scene_may_ask_for_it(tmp_path):
         described = archive.read("modelDescription.xml")
 
     assert b'variability="constant"' in described and b"<SourceFiles>" in described
+
+
+def test_what_is_computed_once_is_forgotten_where_kernels_write_what_changes_seldom():
+    """Which rows are redundant may change within a communication step: behind each such statement all is forgotten."""
+    model = scene("four_bar", "rk4").compile()
+    lines = [line.strip() for line in core(model, specialise.own(model).traced).splitlines()]
+    writing = [
+        k for k, line in enumerate(lines) if re.match(r"d_(row_redundant|lends|loose)\[[^=]*\] = ", line)
+    ]
+    assert len(writing) > 5 and all(lines[k + 1] == "forget_once(run);" for k in writing)
+    (macro,) = (line for line in lines if line.startswith("#define forget_once"))
+    kept = {
+        re.search(r"run->once\[(\d+)\] == 0.0", line)[1]
+        for line in lines
+        if "] == 0.0) {" in line and "once" in line
+    }
+    assert kept == set(re.findall(r"once\[(\d+)\]", macro)) and len(kept) == 3
