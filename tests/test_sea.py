@@ -6,10 +6,12 @@ from scenes import assert_near
 from scipy.integrate import trapezoid
 
 import mbdfmi
+from mbdfmi import Scene, SceneError
 from mbdfmi.cli import main
-from mbdfmi.compiler.model import compile_scene
+from mbdfmi.compiler.model import compile_scene, with_values
 from mbdfmi.compiler.seas import sea_components
 from mbdfmi.hydro import spectra
+from mbdfmi.run.simulate import simulate
 from mbdfmi.view.told import waves
 
 G = 9.80665
@@ -183,3 +185,83 @@ def test_a_hull_that_starts_under_the_bed_is_told(depth):
     }
     told = " ".join(compile_scene(mbdfmi.Scene.model_validate(box)).notices)
     assert ("reaches 4 m down where it starts; the water is 3 m deep" in told) == (depth == 3)
+
+
+# any spectrum
+
+
+TABLE = [(0.4, 0.0), (0.6, 1.5), (0.75, 4.0), (0.9, 1.0), (1.3, 1.6), (2.2, 0.0)]
+
+
+def of_file(folder, **options):
+    (folder / "spectrum.csv").write_text("\n".join(["omega,energy", *(f"{w},{e}" for w, e in TABLE)]))
+    waves = {"spectrum": {"file": str(folder / "spectrum.csv")} | options}
+    body = {"buoy": {"mass": 1.0, "inertia": [1, 1, 1]}}
+    joint = {"free": {"free": {}, "between": ["ground", "buoy"]}}
+    return Scene.model_validate(
+        {
+            "name": "sea",
+            "gravity": [0, 0, -9.81],
+            "sea": {"waves": waves, "output": ["elevation"]},
+            "body": body,
+            "joint": joint,
+        }
+    )
+
+
+@pytest.mark.parametrize("spacing", ["energy", "frequency"])
+def test_a_sea_of_any_spectrum_has_its_moments(tmp_path, spacing):
+    """m0 to rounding, m1 too, as each component is at the centroid of its band; no energy outside the table."""
+    waves = sea_components(of_file(tmp_path, spacing=spacing, components=150))
+    w, e = np.array(TABLE).T
+    fine = np.linspace(w[0], w[-1], 400_001)
+    density = np.interp(fine, w, e)
+    energy = waves.amplitude**2 / 2
+    assert_near(energy.sum(), np.trapezoid(e, w), 1e-14)
+    assert_near(energy @ waves.omega, np.trapezoid(density * fine, fine), 1e-8)
+    assert waves.omega.min() > 0.4 and waves.omega.max() < 2.2
+
+    if spacing == "energy":
+        assert np.ptp(energy) < 1e-6 * energy.max()
+    else:
+        # in bands of equal width it is the table again
+        width = 1.8 / 150
+        assert np.abs(energy / width - np.interp(waves.omega, w, e)).max() < 0.05
+
+
+def test_its_height_period_and_seed_are_parameters(tmp_path):
+    """Twice as high and half as long again, with other phases: as if the table had been written so."""
+    scene = of_file(tmp_path, components=60, spread=3.0)
+    model = compile_scene(scene)
+    starts = {v.name: v.start for v in model.of_causality("parameter") if v.name.startswith("sea.")}
+    w, e = np.array(TABLE).T
+    assert_near(starts["sea.hs"], 4 * np.sqrt(np.trapezoid(e, w)), 1e-12)
+    assert_near(starts["sea.tp"], 2 * np.pi / 0.75, 1e-12)
+    given = {"sea.hs": 2 * starts["sea.hs"], "sea.tp": 1.5 * starts["sea.tp"], "sea.seed": 9}
+    run = simulate(with_values(model, given), 20.0, 0.5)
+    waves = sea_components(scene, given)
+    plain = sea_components(scene)
+    assert_near(waves.omega, plain.omega / 1.5, 1e-12)
+    assert_near(np.sum(waves.amplitude**2), 4 * np.sum(plain.amplitude**2), 1e-12)
+    wanted = np.cos(np.outer(run["time"], waves.omega) + waves.phase) @ waves.amplitude
+    assert_near(run["sea.elevation"], wanted, 1e-9)
+
+
+@pytest.mark.parametrize(
+    "rows, told",
+    [
+        (["0.0,1.0", "1.0,1.0"], "needs frequencies (rad/s) above 0, ascending"),
+        (["1.0,1.0", "0.5,1.0"], "above 0, ascending"),
+        (["0.5,1.0", "1.0,-1.0"], "not negative, and not all 0"),
+        (["0.5,0.0", "1.0,0.0"], "not all 0"),
+        (["0.5,1.0,3.0", "1.0,0.0,3.0"], "needs 2 finite numbers"),
+    ],
+)
+def test_a_spectrum_that_is_none_is_refused(tmp_path, rows, told):
+    scene = of_file(tmp_path)
+    (tmp_path / "spectrum.csv").write_text("\n".join(["omega,energy", *rows]))
+
+    with pytest.raises(SceneError) as caught:
+        compile_scene(scene)
+
+    assert told in str(caught.value) and "[sea] waves.spectrum.file" in str(caught.value)

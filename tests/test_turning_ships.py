@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import test_two_bodies as two_bodies
+from fmu_host import OK, Library
+from fmu_host import Instance as Hosted
 from scenes import assert_near, evaluate
 from scipy.spatial.transform import Rotation
 from test_hydrodynamics import INERTIA, INFINITE, MASS, SEA, G, afloat, database, exciting  # noqa: F401
@@ -213,3 +215,17 @@ def test_what_cannot_turn_is_refused(database, tmp_path):  # noqa: F811
     scene = afloat(str(half), None, SEA, radiation=False, outputs=[], axes="heading")
     text = refused(scene)
     assert "from 0 to 180 degrees" in text and "--heading 0:330:30" in text
+
+
+def test_fmus_of_ships_that_turn(database, tmp_path):  # noqa: F811
+    """As in process, to the last bit; their derivatives, of which no trace is made, by differences."""
+    scene = turned_by(10.0, "heading", database)
+    fmu = Hosted(Library(scene.export(tmp_path / "ship.fmu"), tmp_path / "ship")).start()
+    instance = Instance(compile_scene(scene))
+
+    for k in range(8):
+        assert fmu.step(0.25 * k, 0.25) == OK
+        instance.step(0.25)
+        assert np.array_equal(fmu.outputs(), instance.outputs())
+
+    fmu.free()

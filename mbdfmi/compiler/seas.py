@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..hydro.spectra import Components, drawn, of_series, regular
+from ..hydro.spectra import Components, drawn, of_series, of_spectrum, regular
 from ..kernels import outputs
 from ..scene import Problem, SceneError
 from ..scene.sea import csv_columns
@@ -39,6 +39,22 @@ def sea_components(scene, parameters=None) -> Components:
             spec.directions,
         )
 
+    if waves.spectrum:
+        spec = waves.spectrum
+        omega, energy, hs, tp = _table(spec)
+        return of_spectrum(
+            omega,
+            energy,
+            given.get("sea.hs", hs),
+            given.get("sea.tp", tp) / tp,
+            spec.components,
+            spec.spacing,
+            int(given.get("sea.seed", spec.seed)),
+            heading,
+            spec.spread,
+            spec.directions,
+        )
+
     kind = "components" if waves.components else "series"
     path = ("sea", "waves", kind, "file")
 
@@ -47,6 +63,14 @@ def sea_components(scene, parameters=None) -> Components:
         return _as_components(kind, columns, heading)
     except ValueError as error:
         raise SceneError([Problem(path, str(error))]) from None
+
+
+def _table(spec):
+    """(omega, energy, significant height, period of the peak) of a file. Raises SceneError."""
+    try:
+        return spec.table()
+    except ValueError as error:
+        raise SceneError([Problem(("sea", "waves", "spectrum", "file"), str(error))]) from None
 
 
 def _as_components(kind, columns, heading):
@@ -80,12 +104,13 @@ def add_waves(builder):
 
     sea, tables = builder.scene.sea, builder.tables
     waves, spec = sea_components(builder.scene), sea.waves
-    drawn = spec.jonswap or spec.pierson_moskowitz
+    drawn = spec.jonswap or spec.pierson_moskowitz or spec.spectrum
     height, period, seed = 1.0, 1.0, -1.0
     names = []
 
     if drawn:
-        height, period, seed = drawn.hs, drawn.tp, drawn.seed
+        height, period = _table(drawn)[2:] if drawn is spec.spectrum else (drawn.hs, drawn.tp)
+        seed = drawn.seed
         names = ["hs", "tp", "direction", "seed"]
     elif spec.regular:
         height, period = spec.regular.height, spec.regular.period

@@ -47,7 +47,23 @@ def drawn(hs, tp, gamma, count, spacing, seed, heading, spread=None, directions=
     """
     peak = 2 * np.pi / tp
     grid = peak * np.linspace(*BAND, FINE)
-    density = shape(grid, peak, gamma)
+    return _of_density(grid, shape(grid, peak, gamma), hs, count, spacing, seed, heading, spread, directions)
+
+
+def of_spectrum(
+    omega, energy, hs, slower, count, spacing, seed, heading, spread=None, directions=1
+) -> Components:
+    """The same of a table of any spectrum (rad/s, m2 s/rad), straight between its points.
+
+    hs : m, the height that it gets. slower : how many times as long its periods become.
+    """
+    grid = np.linspace(omega[0], omega[-1], FINE)
+    density = np.interp(grid, omega, energy)
+    return _of_density(grid / slower, density, hs, count, spacing, seed, heading, spread, directions)
+
+
+def _of_density(grid, density, hs, count, spacing, seed, heading, spread, directions):
+    """Components of a spectrum over a fine grid of frequencies, of any height."""
     whole = _running(density, grid)
     first = _running(density * grid, grid)
     total = whole[-1]

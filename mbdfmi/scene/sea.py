@@ -63,23 +63,53 @@ class RegularWaves(Part):
     phase_deg: Number = 0.0
 
 
-class Spectrum(Part):
-    """A sea of random phases whose energy is that of hs exactly.
+class Drawn(Part):
+    """Components of random phases.
 
-    hs : significant height, m. tp : period of the peak, s.
     components : their number.
     spacing : "energy", components of equal energy, "frequency", in bands of equal width.
     spread, directions : s of cos^(2 s)(angle / 2) about the mean direction, over so many directions; left out, all travel one way.
-    seed : another one is another sea of the same spectrum.
+    seed : of the phases; another one is another sea of the same spectrum.
     """
 
-    hs: Positive
-    tp: Positive
     components: Count = 200
     spacing: OneOf("energy", "frequency") = "energy"
     spread: Positive | None = None
     directions: Count = 11
     seed: Seed = 1
+
+
+class Spectrum(Drawn):
+    """A sea of random phases whose energy is that of hs exactly.
+
+    hs : significant height, m. tp : period of the peak, s.
+    """
+
+    hs: Positive
+    tp: Positive
+
+
+class SpectrumFile(Drawn):
+    """A sea of random phases of any spectrum, as of a measured one; its height and the period of its peak are parameters of the FMU.
+
+    file : CSV with a line of names, then omega (rad/s, ascending, above 0) and energy (m2 s/rad), straight between; none outside.
+    """
+
+    file: DataName = Field(description='as in file = "spectrum.csv"')
+
+    def table(self):
+        """(omega (n,) rad/s, energy (n,) m2 s/rad, significant height m, period of the peak s). Raises ValueError."""
+        omega, energy = csv_columns(self.file, 2).T
+
+        if not (omega[0] > 0.0 and np.diff(omega).min() > 0.0):
+            raise ValueError(f"{self.file.path}: needs frequencies (rad/s) above 0, ascending")
+        if energy.min() < 0.0 or not energy.max() > 0.0:
+            raise ValueError(
+                f"{self.file.path}: needs energies (m2 s/rad) that are not negative, and not all 0"
+            )
+
+        height = 4.0 * float(np.sqrt(np.trapezoid(energy, omega)))
+        return omega, energy, height, float(2 * np.pi / omega[energy.argmax()])
 
 
 class Jonswap(Spectrum):
@@ -110,11 +140,14 @@ class Waves(Part):
     direction_deg : the way they travel, from x towards y; not of components.
     """
 
-    needed: ClassVar[tuple] = (("regular", "jonswap", "pierson_moskowitz", "components", "series"),)
+    needed: ClassVar[tuple] = (
+        ("regular", "jonswap", "pierson_moskowitz", "spectrum", "components", "series"),
+    )
 
     regular: RegularWaves | None = None
     jonswap: Jonswap | None = None
     pierson_moskowitz: Spectrum | None = None
+    spectrum: SpectrumFile | None = None
     components: WaveComponents | None = None
     series: WaveSeries | None = None
     direction_deg: Number = 0.0

@@ -242,6 +242,14 @@ def head(dice, forces, sea):
         loaded = "waves" in sea and options.get("excitation", True) is True
         options["axes"] = dice.pick(["first", "heading"] if loaded else ["heading", "body"])
 
+    spec = sea.get("waves", {}).get("pierson_moskowitz")
+
+    if spec and dice.chance(0.4):
+        options = {key: value for key, value in spec.items() if key not in ("hs", "tp")}
+        sea["waves"] = {"spectrum": {"file": str(FILES / "spectrum.csv")} | options} | {
+            key: value for key, value in sea["waves"].items() if key == "direction_deg"
+        }
+
     if "the pile" in forces and "waves" in sea and dice.chance(0.6):
         pile = forces["the pile"]["member"]
         pile |= {"position": dice.pick(["now", "now", "mean"])} if pile.get("waves", True) else {}
