@@ -11,8 +11,8 @@ from ..compiler.joint_kinds import kind_of
 from ..compiler.variables import dotted, subscripts
 from ..kernels.motion.coordinates import TWIST, turn
 from ..scene import SceneData
-from ..scene.end_frames import END_FRAMES
 from ..scene.errors import listed
+from ..scene.rare import END_FRAMES
 from ..scene.starts import RATES
 from ..vocabulary import EFFORT_OUTPUTS, POSE_EFFORTS, REACTIONS
 from .equilibrium import NoEquilibrium, Rest, approach, settle, tiny
