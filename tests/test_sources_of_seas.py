@@ -1,6 +1,6 @@
 """Own code and sources of scenes with waves, lines of sections, damping and gusts: without a warning, and what the binary FMU gives.
 
-Three scenes have all keys of these between them; each is compiled by gcc, and by clang.
+Five scenes have all keys of these between them; each is compiled by gcc and by clang, one of them in a long test.
 """
 
 import shutil
@@ -86,12 +86,22 @@ def stretched(file, folder):
     return Scene.model_validate(data | {"wind": mill_of["wind"]})
 
 
+def turning(file, folder):
+    """A ship that turns, and a member that waves meet where it is."""
+    scene = afloat(file, START, SEA, STEPPED, outputs=OUTPUTS, axes="heading", **DAMPED)
+    data = scene.model_dump(exclude_unset=True)
+    data["body"]["hull"]["marker"] = {"keel": {"position": [0, 3, -12]}, "deck": {"position": [0, 3, 4]}}
+    leg = {"member": {"diameter": 2.0, "sections": 4, "drag": 1.0, "position": "now"}}
+    data["force"] |= {"leg": leg | {"between": ["hull.keel", "hull.deck"], "output": ["force"]}}
+    return Scene.model_validate(data)
+
+
 def operating(file, folder):
     """An extreme operating gust."""
     return mill(folder, {"eog": {"start": 0.1, "amplitude": 3.0, "period": 0.8}})
 
 
-SCENES = {made.__name__: made for made in (where_it_is, from_elsewhere, stretched, operating)}
+SCENES = {made.__name__: made for made in (where_it_is, from_elsewhere, stretched, turning, operating)}
 
 
 @pytest.fixture(scope="module")
@@ -135,8 +145,19 @@ def test_a_library_of_the_scene_gives_what_that_of_all_gives(name, exported):
     assert_same(run_of(own), run_of(plain))
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("name", SCENES)
+OFTEN = [
+    ("where_it_is", "gcc"),
+    ("from_elsewhere", "clang"),
+    ("stretched", "gcc"),
+    ("turning", "clang"),
+    ("operating", "clang"),
+]
+SELDOM = [(name, {"gcc": "clang", "clang": "gcc"}[compiler]) for name, compiler in OFTEN]
+
+
+@pytest.mark.parametrize(
+    ("name", "compiler"), [*OFTEN, *(pytest.param(*each, marks=pytest.mark.long) for each in SELDOM)]
+)
 def test_sources_compile_without_a_warning_and_give_it_too(name, compiler, exported, tmp_path):
     if not shutil.which(compiler):
         pytest.skip(f"{compiler} is not installed")
