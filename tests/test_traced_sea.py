@@ -13,6 +13,8 @@ from test_waves_at_members import DRAWN, pile
 
 import mbdfmi
 from mbdfmi import Scene
+from mbdfmi.analysis import linear
+from mbdfmi.analysis.exact import exact
 from mbdfmi.compiler.model import compile_scene
 from mbdfmi.export import specialise
 from mbdfmi.export.tape import NONE, tape
@@ -334,6 +336,19 @@ def test_an_fmu_with_a_member_in_waves_has_exact_derivatives(tmp_path):
     exact_in_an_fmu(
         pile({"waves": DRAWN}, {"sections": 3}, joint={"spherical": {}}), tmp_path, 1e-8, size=2e-3
     )
+
+
+def test_linear_models_of_a_moored_body_in_waves_are_exact(database, monkeypatch):  # noqa: F811
+    found = []
+
+    def seen(*given):
+        found.append(exact(*given))
+        return found[-1]
+
+    monkeypatch.setattr(linear, "exact", seen)
+    afloat(database, {"zyx_deg": [3, 2, -4]}, SEA, outputs=OUTPUTS, position="now").linearise()
+    buoy(*LINES["part of it on the bed"]).linearise()
+    assert [each is None for each in found] == [False, False]
 
 
 def alike(scene):
