@@ -19,8 +19,11 @@ from .once import still_nodes
 from .record import Guard
 
 MARGIN = 16.0
-"""How many times more than a guard asks what is compared must be where it is traced; of inertia, to which
-part of what it is there it may fall."""
+"""How many times more than a guard asks what is compared must be where it is traced."""
+
+FALLS = tuple(2.0**k for k in range(14, 3, -1))
+"""To which part of what it is there inertia about a joint's axes may fall, as thin bodies turn: as far as
+what is divided by it still has bounds that are of use."""
 
 POSITIVE = ("joints.", "math.algebra.")
 """Rooms of the kernels that ask whether what they divide by is positive."""
@@ -41,8 +44,15 @@ def sufficient(graph: Graph, guards: Iterable[Guard], wanted: Collection[int], i
     a leaf, by its name, does not change in a run.
     """
     guards = list(guards)
-    found = _Bounds(graph, is_still).guards(guards)
-    return found if _cost(graph, found, wanted, is_still) < _cost(graph, guards, wanted, is_still) else guards
+    best, least = guards, _cost(graph, guards, wanted, is_still)
+
+    for fall in FALLS:
+        found = _Bounds(graph, is_still, fall).guards(guards)
+
+        if (cost := _cost(graph, found, wanted, is_still)) < least:
+            best, least = found, cost
+
+    return best
 
 
 def _cost(graph, guards, wanted, is_still):
@@ -55,12 +65,14 @@ def _cost(graph, guards, wanted, is_still):
 class _Bounds:
     """What is known of the size of nodes as guards are passed one by one.
 
+    fall : to which part of what it is inertia may fall.
     still : whether a node stays as it is in a run. most, least : node -> the node of what its absolute value
     is at most, of what it is at least, where that is positive; these stay as they are in a run.
     """
 
-    def __init__(self, graph: Graph, is_still):
+    def __init__(self, graph: Graph, is_still, fall: float):
         self.graph = graph
+        self.fall = fall
         self.is_still = is_still
         self.still = still_nodes(graph, is_still)
         self.most: dict[int, int] = {}
@@ -294,7 +306,7 @@ class _Bounds:
             return upper
 
         # a part of what it is at most, whichever units masses are in
-        part = graph.constant(2.0 ** math.floor(math.log2(here / (MARGIN * graph.values[size]))))
+        part = graph.constant(2.0 ** math.floor(math.log2(here / (self.fall * graph.values[size]))))
         return graph.extreme("max", upper, graph.product(part, size))
 
     def _is_no_reciprocal_of_zero(self, a, b):
