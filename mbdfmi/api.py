@@ -23,8 +23,8 @@ class Scene(_scene.SceneData):
     SceneError with all that is wrong in it.
 
     Its parts can be changed, `scene.joint["elbow"].damper = 0.2`, added, `scene.force["rope"] = {...}`, and
-    taken out, `del scene.force["rope"]`. What is assigned is checked at once, how the parts go together when
-    the scene is used next.
+    taken out, `del scene.force["rope"]`. A value that is assigned is checked at once; what is put into a
+    table or a list, and how the parts go together, when the scene is used next.
     """
 
     _file: Path | None = PrivateAttr(None)
@@ -68,6 +68,11 @@ class Scene(_scene.SceneData):
         others.
         """
         return self._imported.notes if self._imported else []
+
+    @property
+    def notices(self):
+        """What is odd in the scene but may be meant (list of str). Raises SceneError."""
+        return super(Scene, self._whole()).notices
 
     def compile(self, as_given=False):
         """The `Model` of the scene: arrays and variables.

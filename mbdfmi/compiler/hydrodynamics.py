@@ -96,7 +96,10 @@ def add_hydrodynamics(builder, name, force, ends):
             builder.near.get(name, ()),
             places,
         )
-    except (ValueError, OSError) as error:
+    except OSError as error:
+        text = f"cannot read {error.filename or spec.file.path}: {error.strerror or error}"
+        raise SceneError([Problem(path, text)]) from None
+    except ValueError as error:
         raise SceneError([Problem(path, str(error))]) from None
 
     for note in notes:
@@ -510,7 +513,11 @@ def _tell_outside(builder, path, waves, known, what):
 
 def _add_outputs(builder, name, force, rows):
     inputs = force.hydrodynamics.excitation == "input"
-    missing = "radiation = false", "no waves that act", "neither damping nor quadratic"
+    missing = (
+        "there is radiation = false",
+        "there are no waves that act",
+        "there is neither damping nor quadratic",
+    )
 
     for k, (end, parts) in enumerate(zip(force.between, _parts(name, force))):
         words = ", ".join(parts)
@@ -520,11 +527,7 @@ def _add_outputs(builder, name, force, rows):
             kind, which = HYDRODYNAMICS_KINDS[output]
 
             if rows[which][k] < 0:
-                what = (
-                    'it is an input: excitation = "input"'
-                    if which == 1 and inputs
-                    else f"there is {missing[which]}"
-                )
+                what = 'it is an input: excitation = "input"' if which == 1 and inputs else missing[which]
                 raise SceneError([Problem(("force", name, "output"), f'no "{output}": {what}')])
 
             builder.add_outputs(

@@ -177,7 +177,14 @@ def _has_bed(builder, force):
         return force.catenary.bed
     if not stands_still(anchor):
         return False
-    return not (sea and sea.depth) or start_pose(builder, anchor)[0][2] < -(2.0 - NEAR_BED) * sea.depth
+
+    first, second = _heights(builder, force)
+    return second >= first and (not (sea and sea.depth) or first < -(2.0 - NEAR_BED) * sea.depth)
+
+
+def _heights(builder, force):
+    """z (m) of both ends at the start."""
+    return [float(start_pose(builder, end)[0][2]) for end in force.between]
 
 
 def _tell_length(builder, name, force):
@@ -203,13 +210,20 @@ def _tell_length(builder, name, force):
 def _tell_places(builder, name, force):
     """A notice of an end under the sea's bed at the start, or of a line above the sea that is weighed as one in it."""
     spec, sea = force.catenary, builder.scene.sea
-    heights = [float(start_pose(builder, end)[0][2]) for end in force.between]
+    heights = _heights(builder, force)
     deepest, path = min(heights), ("force", name)
 
     if sea and sea.depth and deepest < -NEAR_BED * sea.depth:
         end = force.between[heights.index(deepest)]
         text = f"{end} starts at z = {deepest:g} m, under the sea's bed: [sea] depth is {sea.depth:g} m"
         builder.notice((*path, "between"), text)
+
+    if spec.bed and heights[1] < heights[0]:
+        text = (
+            f"{force.between[1]} starts {heights[0] - heights[1]:.4g} m below {force.between[0]}, and the bed is as high as that: a line that "
+            "lies on it pulls along it alone and holds nothing up; bed = false hangs it up"
+        )
+        builder.notice((*path, "catenary", "bed"), text)
 
     carried = any(part.diameter > 0.0 or (part.clump and part.clump.volume > 0.0) for part in spec.parts)
 

@@ -105,7 +105,8 @@ class LinearOptions(SixBySix):
     preload : (6,) in N, N m; constant.
     axes : of damping and added mass. "first", the first marker's: as in linear theory of bodies at the surface, the added mass
         exerts -A (acceleration, angular acceleration) and no products of velocities, whatever way the body has turned.
-        "heading", those turned about the first marker's z axis by the body's yaw rz: in plane motion as "body".
+        "heading", those turned about the first marker's z axis by the body's yaw rz: in plane motion as "body". Upside down there is
+        no yaw: a run through exactly that ends.
         "body", the second marker's: for a body deep in water (Kirchhoff's equations; moving along with u and w it feels
         Munk's moment).
     """

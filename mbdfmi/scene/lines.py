@@ -62,9 +62,9 @@ class CatenaryOptions(Part):
     mass : kg/m, in air.
     diameter : m, of the round line of the same volume, by which water carries it; 0 in air.
     stiffness : N, EA: tension by strain.
-    bed : whether it may lie on a bed, which is as high as the first end; by default where that is on the ground (unless the sea has a
-        depth and the end is more than 1 % of that above its bed). Where that end moves up or down, the bed does so with it, and its
-        work is in no power or energy.
+    bed : whether it may lie on a bed, which is as high as the first end; by default where that is on the ground (unless the second end
+        starts lower, or the sea has a depth and the first is more than 1 % of that above its bed). Where that end moves up or down, the
+        bed does so with it, and its work is in no power or energy. A second end below the bed is pulled along it alone.
     friction : of the bed along the line, by the weight that lies on it (chain on sand: about 1): the pull falls towards the first
         end, to 0 at most. It has no memory, and leaves the line free to move sideways. Nothing in the line may float then.
     sections : instead of length, mass, diameter, stiffness: chain, rope, chain, from the first end to the second, and what hangs

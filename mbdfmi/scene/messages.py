@@ -9,6 +9,9 @@ from .errors import NAMED_TABLES, Problem, did_you_mean, key_text, listed, show
 # Begins those steps of a pydantic location that name a member of a union.
 TAG = "\0"
 
+MOST_KEYS = 20
+"""Of a table that are named where one is unknown: those of the whole scene are 16."""
+
 
 def problems_of(error, cls, data):
     """The problems in a pydantic ValidationError, raised when `data` was to become a `cls`."""
@@ -75,7 +78,8 @@ def _text(found, cls):
 
 def _unknown_key(part, key, value):
     keys = part.known_keys()
-    text = f"unknown key; there is {listed(keys)}." + did_you_mean(key, keys)
+    known = f"there is {listed(keys, limit=MOST_KEYS)}" if keys else "this table has none"
+    text = f"unknown key; {known}.{did_you_mean(key, keys)}"
     if "marker" in keys and isinstance(value, dict):
         text += f" A marker is written marker.{key_text(key)} = {{ ... }}."
     return text

@@ -278,7 +278,8 @@ class HydrodynamicsOptions(Part):
     position : where waves meet a body. "mean": where it starts; loads are kept at knots in time. "now": where its point of reference is,
         so that phases lag as it drifts; that is the plain sum of components, anew at each evaluation (200 of them cost some us).
     axes : that coefficients, `damping` and `quadratic` are in. "first", the inertial ones, for bodies that keep their heading. "heading",
-        those turned about z by the yaw of the end's axes, for a ship that turns: the memory turns with it, and waves meet it at their
+        those turned about z by the yaw of the end's axes, for a ship that turns (upside down it has none, and a run through exactly that
+        ends): the memory turns with it, and waves meet it at their
         direction less its yaw, for which the file's headings go all the way round; that is the plain sum of components at each
         evaluation. "body", the end's, for a body deep in water at any angle, which no waves of the sea act on. Of one body.
     damping : (6, 6) N s/m, N s, N m s, or its diagonal, beside waves made: force and moment about the point of reference are -damping

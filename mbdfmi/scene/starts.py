@@ -131,7 +131,7 @@ class ScrewStart(Start):
 
 
 class CylindricalStart(ScrewStart):
-    """As of a screw, and position : m, speed : m/s, along the axis."""
+    """angle and angular_speed as of a screw, and position : m, speed : m/s, along the axis."""
 
     places = (("position", ("",)), ("angle", ("",)))
     rates = (("speed", ("",)), ("angular_speed", ("",)))
@@ -149,7 +149,7 @@ class CylindricalStart(ScrewStart):
 
 
 class PlanarStart(ScrewStart):
-    """As of a screw, about the normal, and position : (2,) in m, velocity : (2,) in m/s."""
+    """angle and angular_speed as of a screw, about the normal, and position : (2,) in m, velocity : (2,) in m/s."""
 
     places = (("position", "xy"), ("angle", ("",)))
     rates = (("velocity", "xy"), ("angular_speed", ("",)))
