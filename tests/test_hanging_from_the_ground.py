@@ -65,3 +65,18 @@ def test_a_bed_that_is_asked_for_is_kept_and_told():
 def test_a_second_end_as_high_lies_on_the_bed():
     found, _ = tension(LINE, (100.0, 0.0, 10.0))
     assert np.isclose(found, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("line", [LINE, HALVES], ids=["one", "two sections"])
+def test_a_line_that_is_soft_is_told(line):
+    """Half of its weight stretches it: 115 m of 20 kg/m by 0.056 % of 2e7 N, and by 5.6 % and 56 % of less."""
+
+    def soft(factor):
+        parts = line.get("sections", [line])
+        changed = [part | {"stiffness": part["stiffness"] * factor} for part in parts]
+        changed = line | ({"sections": changed} if "sections" in line else changed[0])
+        return [text for text in tension(changed, (0.0, 0.0, -40.0))[1] if "EA" in text]
+
+    assert not soft(1.0) and not soft(1e-2)
+    (text,) = soft(1e-3)
+    assert "22563 N" in text.replace("2.26e+04", "22563") and "56 %" in text

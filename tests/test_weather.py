@@ -26,6 +26,7 @@ SEAS = [
     ({"density": 1.025}, {"density": 998.0}, "is 1.025 kg/m3: water has some 1000"),
     ({"depth": 2e5}, {"depth": 4000.0}, "the deepest sea has 11000"),
     ({"current": {"velocity": [9.0, 9.0, 0]}}, {"current": {"velocity": [2.0, 1.0, 0]}}, "is 12.73 m/s: the fastest tidal"),
+    ({"current": {"velocity": [0.4, 0.1, 3.0]}}, {"current": {"velocity": [0.4, 0.1, 0.02]}}, "goes up or down by 3 m/s"),
     ({"waves": {"regular": {"height": 60.0, "period": 25.0}}}, {"waves": {"regular": {"height": 25.0, "period": 16.0}}}, "is 60 m"),
     ({"waves": {"regular": {"height": 1.0, "period": 80.0}}}, {"waves": {"regular": {"height": 1.0, "period": 20.0}}}, "is 80 s"),
     ({"waves": {"jonswap": {"hs": 25.0, "tp": 25.0}}}, {"waves": {"jonswap": {"hs": 15.0, "tp": 17.0}}}, "measured is 19"),
@@ -89,3 +90,22 @@ def test_a_rotor_in_other_units(tmp_path, way):
 def test_coefficients_of_members():
     assert len(said(pile({}, member={"drag": 9.0}), "drag: is 9: of round members it is about 1")) == 1
     assert not pile({}, member={"drag": 1.2}).notices
+
+
+def test_blades_in_the_water(tmp_path):
+    """The disc is across the x axis: of the one at the height of the water half is wet, the other is 38 m clear."""
+    dry = mill(tmp_path, None)
+    assert not [text for text in dry.simulate(0.01).notices if "blades" in text]
+    dry.sea = {"depth": 50.0}
+    (text,) = [text for text in dry.simulate(0.01).notices if "blades" in text]
+    assert "[force.sail] on" in text and "start 2 m deep in the water" in text
+
+
+def test_members_under_the_bed():
+    def told(depth):
+        scene = pile({}, sea={"depth": depth})
+        return [text for text in scene.simulate(0.01).notices if "under the sea's bed" in text]
+
+    assert not told(10.5)
+    (text,) = told(6.0)
+    assert "[force.drag] between" in text and "z = -10 m" in text

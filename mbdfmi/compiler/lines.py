@@ -6,6 +6,7 @@ from ..kernels import outputs
 from ..scene import Problem, SceneError
 from ..scene.ends import stands_still
 from ..scene.sea import Sea
+from ..vectors import norm
 from ..vocabulary import LINE_OUTPUTS
 from .builder import Place, Source
 from .start import start_pose
@@ -26,6 +27,9 @@ NEAR_BED = 1.01
 
 # by the distance of its ends: a line so long has its length in other units
 FAR_TOO_LONG = 100.0
+
+# strain by its own weight that no chain, wire or rope has
+SOFT = 0.1
 
 
 def add_catenary(builder, name, force, ends):
@@ -188,23 +192,31 @@ def _heights(builder, force):
 
 
 def _tell_length(builder, name, force):
-    """A notice of a line that is shorter than the distance of its ends at the start, or many times as long."""
+    """Notices of a line that is soft, or shorter than the distance of its ends at the start, or many times as long."""
     first, second = (start_pose(builder, end)[0] for end in force.between)
-    distance, spec = np.linalg.norm(second - first), force.catenary
+    distance, spec = norm(second - first), force.catenary
     length = spec.total_length
     text = f"is {length:g} m long, and its ends are {distance:g} m apart at the start: "
-    key = "length" if spec.sections is None else "sections"
+    key, path = "length" if spec.sections is None else "sections", ("force", name, "catenary")
+    # strain by tension, 1/N
+    give = sum(section.length / section.stiffness for section in spec.parts) / length
+
+    weight = sum(section.mass * section.length for section in spec.parts) * norm(builder.scene.gravity)
+
+    # of one that hangs straight down, by half of its weight
+    if weight * give > 2 * SOFT:
+        soft = f"its own weight of {weight:.3g} N stretches it by {50 * weight * give:.2g} % where it hangs; stiffness is EA, in N"
+        builder.notice((*path, "stiffness" if spec.sections is None else "sections"), soft)
 
     if distance > length:
         strain = distance / length - 1
-        give = sum(section.length / section.stiffness for section in spec.parts) / length
         text += f"stretched by {100 * strain:.2g} %, with {strain / give:.3g} N"
     elif length > FAR_TOO_LONG * distance > 0.0:
         text += f"{length / distance:.0f} times as long; lengths are in m"
     else:
         return
 
-    builder.notice(("force", name, "catenary", key), text)
+    builder.notice((*path, key), text)
 
 
 def _tell_places(builder, name, force):

@@ -58,6 +58,32 @@ def tell_steep_waves(builder):
             builder.notice(path, text)
 
 
+def tell_member_aground(builder, name, force):
+    """A notice of a member that starts under the bed."""
+    depth = builder.scene.sea.depth if builder.scene.sea else None
+
+    if depth:
+        lowest = min(float(start_pose(builder, end)[0][2]) for end in force.between)
+
+        if lowest < -depth:
+            text = f"starts at z = {lowest:.4g} m, under the sea's bed: [sea] depth is {depth:g} m"
+            builder.notice(("force", name, "between"), text)
+
+
+def tell_wet_blades(builder, name, force):
+    """A notice of a rotor whose blades start in the water."""
+    place, A = start_pose(builder, force.on)
+    # the disk is across the x axis of the hub
+    reach = force.rotor.radius * float(np.hypot(A[2, 1], A[2, 2]))
+
+    if builder.scene.sea and place[2] < reach:
+        text = (
+            f"blades of {force.rotor.radius:g} m, with the hub at z = {place[2]:.4g} m, start {reach - place[2]:.4g} m deep in the water, "
+            "which they do not feel"
+        )
+        builder.notice(("force", name, "on"), text)
+
+
 def tell_hull_aground(builder, name, end, points):
     """A notice of a hull, points (n, 3) in the axes of its end, that starts under the bed."""
     depth = builder.scene.sea.depth if builder.scene.sea else None

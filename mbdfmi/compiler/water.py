@@ -11,7 +11,7 @@ from ..vocabulary import HYDROSTATICS_OUTPUTS, MEMBER_OUTPUTS
 from .builder import Place, Source
 from .hulls import hull_of
 from .hydrodynamics import add_added_mass
-from .sea_limits import tell_hull_aground
+from .sea_limits import tell_hull_aground, tell_member_aground
 from .seas import add_waves
 from .start import start_pose
 from .variables import dotted
@@ -84,6 +84,7 @@ def add_member(builder, name, force, ends):
         about = "velocity of the current at the surface"
         builder.add_parameters("sea.current", Place("current_velocity"), current.velocity, "m/s", about)
 
+    tell_member_aground(builder, name, force)
     pushed = spec.added_mass is not None
     waves = bool(sea.waves) and spec.waves
     value = [spec.diameter, spec.drag, spec.axial_drag, spec.added_mass if pushed else -1.0]

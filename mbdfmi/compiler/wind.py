@@ -10,6 +10,7 @@ from ..vectors import norm, spline_at
 from ..vocabulary import ROTOR_OUTPUTS, ROTOR_PITCH, WIND_VELOCITY
 from .builder import Place, Source
 from .interpolation import curve, quintic_through
+from .sea_limits import tell_wet_blades
 from .variables import dotted
 
 # words of the scene -> kinds of kernels/outputs.py
@@ -75,6 +76,7 @@ def add_rotor(builder, name, force, ends):
             dotted(name, "pitch"), place, spec.pitch, "rad", f"pitch of the blades of {name}"
         )
 
+    tell_wet_blades(builder, name, force)
     fed_by = [] if u < 0 else [u]
     fed_by += [first_wind + k for k in range(3)] if first_wind >= 0 else []
 

@@ -10,6 +10,9 @@ from .errors import Problem
 # m/s: over a minute (Patricia, 2015), of a gust (Barrow Island, 1996), of a tidal stream (Saltstraumen), of sound in air
 STRONGEST_WIND, STRONGEST_GUST, FASTEST_STREAM, SOUND = 96.0, 113.0, 12.0, 340.0
 
+# of a current's speed over the ground, what goes up or down
+STEEPEST_STREAM = 0.1
+
 # m: significant height measured (North Atlantic, 2013), a single wave by far, the deepest sea
 HIGHEST_SEA, HIGHEST_WAVE, DEEPEST = 19.0, 35.0, 11_000.0
 
@@ -46,6 +49,11 @@ def odd_sea(scene):
         if speed > FASTEST_STREAM:
             text = f"the fastest tidal streams have some {FASTEST_STREAM:g}"
             yield _odd(("sea", "current", "velocity"), speed, "m/s", text)
+
+        east, north, up = sea.current.velocity
+        if abs(up) > STEEPEST_STREAM * np.hypot(east, north):
+            text = f"goes up or down by {abs(up):g} m/s: currents are nearly level; x and y are, z is up"
+            yield Problem(("sea", "current", "velocity"), text)
 
     if sea.waves:
         yield from _odd_waves(sea.waves)
