@@ -66,6 +66,11 @@ def test_to_import_the_package_changes_no_environment():
     ]
 
 
+def test_a_command_that_a_program_calls_leaves_its_garbage_alone():
+    code = "import gc, json; from mbdfmi.cli import main; main(['info', 'models/pendulum.toml']); print(); print(json.dumps(gc.get_threshold()[0]))"
+    assert said_by(code) == 700
+
+
 def test_what_is_rare_is_found_where_a_scene_has_it():
     """A fresh interpreter, in which nothing else has imported it."""
     code = """

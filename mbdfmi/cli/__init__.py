@@ -21,6 +21,7 @@ def main(arguments=None) -> int:
     """Run the command line; returns the exit status: 0 done, 1 failed with a message."""
     if arguments is None:
         # the process ends with the command: a last look for garbage, in all modules, is a fifth of its time
+        gc.set_threshold(OBJECTS_BEFORE_A_LOOK)
         atexit.register(gc.freeze)
 
     command = next(iter(sys.argv[1:] if arguments is None else arguments), None)
@@ -29,5 +30,4 @@ def main(arguments=None) -> int:
         # all but its matrices are small: threads of OpenBLAS wait for each other more than they work
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-    gc.set_threshold(OBJECTS_BEFORE_A_LOOK)
     return carry_out(parser(command), arguments)
