@@ -69,11 +69,6 @@ class Scene(_scene.SceneData):
         """
         return self._imported.notes if self._imported else []
 
-    @property
-    def notices(self):
-        """What is odd in the scene but may be meant (list of str). Raises SceneError."""
-        return super(Scene, self._whole()).notices
-
     def compile(self, as_given=False):
         """The `Model` of the scene: arrays and variables.
 

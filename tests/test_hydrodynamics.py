@@ -249,7 +249,9 @@ def test_a_regular_wave_moves_a_body_as_its_response_says(database):
 
 
 def test_what_a_file_does_not_have_is_told(database, tmp_path):
-    with pytest.raises(SceneError, match=r'\[force.water\] output: no "excitation_force": there is no waves'):
+    with pytest.raises(
+        SceneError, match=r'\[force.water\] output: no "excitation_force": there are no waves'
+    ):
         compile_scene(afloat(database))
 
     (tmp_path / "odd.1").write_text("1.0 1 1 2.0 3.0\n2.0 1 seven 3.0 4.0\n")
