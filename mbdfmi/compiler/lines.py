@@ -200,7 +200,6 @@ def _tell_length(builder, name, force):
     key, path = "length" if spec.sections is None else "sections", ("force", name, "catenary")
     # strain by tension, 1/N
     give = sum(section.length / section.stiffness for section in spec.parts) / length
-
     weight = sum(section.mass * section.length for section in spec.parts) * norm(builder.scene.gravity)
 
     # of one that hangs straight down, by half of its weight

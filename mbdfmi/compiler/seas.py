@@ -23,37 +23,18 @@ def sea_components(scene, parameters=None) -> Components:
         height, period = given.get("sea.height", spec.height), given.get("sea.period", spec.period)
         return regular(height, period, np.radians(spec.phase_deg), heading)
 
-    spec = waves.jonswap or waves.pierson_moskowitz
+    spec = waves.jonswap or waves.pierson_moskowitz or waves.spectrum
 
     if spec:
-        gamma = getattr(spec, "gamma", 1.0)
-        return drawn(
-            given.get("sea.hs", spec.hs),
-            given.get("sea.tp", spec.tp),
-            gamma,
-            spec.components,
-            spec.spacing,
-            int(given.get("sea.seed", spec.seed)),
-            heading,
-            spec.spread,
-            spec.directions,
-        )
+        seed = int(given.get("sea.seed", spec.seed))
+        how = spec.components, spec.spacing, seed, heading, spec.spread, spec.directions
 
-    if waves.spectrum:
-        spec = waves.spectrum
-        omega, energy, hs, tp = _table(spec)
-        return of_spectrum(
-            omega,
-            energy,
-            given.get("sea.hs", hs),
-            given.get("sea.tp", tp) / tp,
-            spec.components,
-            spec.spacing,
-            int(given.get("sea.seed", spec.seed)),
-            heading,
-            spec.spread,
-            spec.directions,
-        )
+        if waves.spectrum:
+            omega, energy, hs, tp = _table(spec)
+            return of_spectrum(omega, energy, given.get("sea.hs", hs), given.get("sea.tp", tp) / tp, *how)
+
+        gamma = getattr(spec, "gamma", 1.0)
+        return drawn(given.get("sea.hs", spec.hs), given.get("sea.tp", spec.tp), gamma, *how)
 
     kind = "components" if waves.components else "series"
     path = ("sea", "waves", kind, "file")
