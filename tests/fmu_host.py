@@ -223,3 +223,20 @@ class Instance(Component):
     def terminated(self) -> tuple[int, int]:
         value = c_int(-1)
         return self.call("fmi2GetBooleanStatus", TERMINATED, byref(value)), value.value
+
+
+def warnings_of_runs(fmu, H, n, chosen):
+    """What `chosen` keeps of the warnings of n steps of H (s), in turn: of a run, of it again from a snapshot, and after a reset."""
+    snapshot = fmu.save()
+
+    def said():
+        fmu.log.clear()
+        assert all(fmu.step(H * k, H) == OK for k in range(n))
+        return chosen(text for status, _, text in fmu.log if status == WARNING)
+
+    first = said()
+    assert fmu.restore(snapshot) == OK
+    restored = said()
+    assert fmu.reset() == OK
+    fmu.start()
+    return first, restored, said()

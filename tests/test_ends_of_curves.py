@@ -6,7 +6,7 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from fmu_host import OK, WARNING, Library
+from fmu_host import WARNING, Library, warnings_of_runs
 from fmu_host import Instance as Hosted
 from test_model_exchange import Solver
 from test_turns import SOLVERS
@@ -131,20 +131,10 @@ def test_in_the_log_of_an_fmu(shape, tmp_path):
     scene = sliding(SHAPES[shape])
     fmu = Hosted(Library(scene.export(tmp_path / "ends.fmu"), tmp_path / "ends")).start()
     wanted = beyond(scene.simulate(1.0, 0.1).notices)
-    snapshot = fmu.save()
-
-    def said():
-        fmu.log.clear()
-        assert all(fmu.step(0.1 * k, 0.1) == OK for k in range(10))
-        return beyond(text for status, _, text in fmu.log if status == WARNING)
-
-    texts = said()
+    texts, restored, anew = warnings_of_runs(fmu, 0.1, 10, beyond)
     assert len(texts) == 1 and wanted[0].split(" (time")[0] in texts[0].replace("##", "#")
-    assert fmu.restore(snapshot) == OK
-    assert said() == texts
-    assert fmu.reset() == OK
-    fmu.start()
-    assert said() == texts
+    assert restored == texts
+    assert anew == texts
     fmu.free()
 
 

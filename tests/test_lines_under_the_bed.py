@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from fmu_host import OK, WARNING, Library
 from fmu_host import Instance as Hosted
+from fmu_host import Library, warnings_of_runs
 from scenes import assert_near
 
 from mbdfmi import Scene
@@ -111,18 +111,8 @@ def test_in_the_log_of_an_fmu(tmp_path):
     """Once; a snapshot remembers whether it was said, a reset begins anew."""
     scene = between(LINE)
     fmu = Hosted(Library(scene.export(tmp_path / "low.fmu"), tmp_path / "low")).start()
-    snapshot = fmu.save()
-
-    def said():
-        fmu.log.clear()
-        assert all(fmu.step(2.0 * k, 2.0) == OK for k in range(20))
-        return under(text for status, _, text in fmu.log if status == WARNING)
-
-    texts = said()
+    texts, restored, anew = warnings_of_runs(fmu, 2.0, 20, under)
     assert len(texts) == 1 and "tow comes down to z" in texts[0]
-    assert fmu.restore(snapshot) == OK
-    assert said() == texts
-    assert fmu.reset() == OK
-    fmu.start()
-    assert said() == texts
+    assert restored == texts
+    assert anew == texts
     fmu.free()
